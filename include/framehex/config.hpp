@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <limits>
+
+namespace framehex {
+
+/// Dense 0-based number of a vertex, a cell, a candidate.
+using index_t = std::uint32_t;
+
+/// Position in a flat array of a compressed row structure, which may hold more than 2^32 values.
+using offset_t = std::uint64_t;
+
+/// "None", where an index is expected.
+inline constexpr index_t no_index = std::numeric_limits<index_t>::max();
+
+using Vector3 = Eigen::Vector3d;
+
+/// A frame is a unit quaternion modulo the 24 rotations of the cube: its axes are the columns of its matrix.
+using Quaternion = Eigen::Quaterniond;
+
+}  // namespace framehex

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/geometry/predicates.hpp"
+#include "framehex/mesh/adjacency.hpp"
+
+#include <iterator>
+
+namespace framehex {
+
+namespace detail {
+
+template <class M>
+void check_coordinates(const M& mesh) {
+  std::size_t index = 0;
+  for (const auto vertex : mesh_traits<M>::vertices(mesh)) {
+    for (const auto x : mesh_traits<M>::point(mesh, vertex))
+      if (!std::isfinite(x))
+        throw invalid_coordinate("vertex " + std::to_string(index) + " has a coordinate that is not finite",
+                                 Entity::vertex, {index});
+    ++index;
+  }
+}
+
+template <std::size_t Corners, class M>
+std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, Entity entity) {
+  const std::size_t n = n_vertices(mesh);
+  const char* const name = entity == Entity::triangle ? "triangle " : "cell ";
+  auto cells = connectivity<Corners>(mesh);
+  for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    for (std::size_t i = 0; i < Corners; ++i) {
+      if (cells[cell][i] >= n)
+        throw invalid_connectivity(name + std::to_string(cell) + " refers to vertex " + std::to_string(cells[cell][i]) +
+                                       " of " + std::to_string(n),
+                                   entity, {cell});
+      for (std::size_t j = 0; j < i; ++j)
+        if (cells[cell][i] == cells[cell][j])
+          throw invalid_connectivity(
+              name + std::to_string(cell) + " uses vertex " + std::to_string(cells[cell][i]) + " twice", entity,
+              {cell});
+    }
+  return cells;
+}
+
+}  // namespace detail
+
+/// Checks once, before any work, all that the stages assume of a tetrahedral mesh.
+///
+/// Parts that touch in a vertex or an edge, several components and isolated vertices are allowed.
+///
+/// @throws invalid_coordinate, invalid_connectivity, inverted_cell (zero volume included, decided exactly),
+/// nonmanifold;
+///         with the first offender in the order of the mesh.
+/// @par Complexity   O(n).
+template <TetMesh M>
+void validate(const M& mesh) {
+  detail::check_coordinates(mesh);
+  const auto tets = detail::checked_connectivity<4>(mesh, Entity::cell);
+  const std::vector<Vector3> p = positions(mesh);
+  for (std::size_t cell = 0; cell < tets.size(); ++cell) {
+    const auto& t = tets[cell];
+    const int sign = orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+    if (sign <= 0)
+      throw inverted_cell("cell " + std::to_string(cell) + (sign == 0 ? " has no volume" : " is inverted"),
+                          Entity::cell, {cell});
+  }
+  // Two tetrahedra on the same side of a facet overlap: a duplicate is the simplest case.
+  const TetAdjacency adjacency = make_adjacency(mesh);
+  for (std::size_t cell = 0; cell < tets.size(); ++cell)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const index_t other = adjacency.neighbours[cell][i];
+      if (other == no_index || other < cell) continue;
+      const auto face = facet(tets[cell], static_cast<int>(i));
+      std::size_t j = 0;
+      while (adjacency.neighbours[other][j] != cell ||
+             detail::sorted(facet(tets[other], static_cast<int>(j))) != detail::sorted(face))
+        ++j;
+      const auto mirror = facet(tets[other], static_cast<int>(j));
+      const auto at = static_cast<std::size_t>(std::find(mirror.begin(), mirror.end(), face[0]) - mirror.begin());
+      if (mirror[(at + 1) % 3] == face[1])
+        throw nonmanifold(
+            "cells " + std::to_string(cell) + " and " + std::to_string(other) + " lie on the same side of a facet",
+            Entity::cell, {cell, other});
+    }
+}
+
+/// Checks that a surface is closed, edge-manifold and consistently oriented.
+///
+/// @throws invalid_coordinate, invalid_connectivity, nonmanifold, open_surface; with the first offender in the order of
+/// the mesh.
+/// @par Complexity   O(n).
+template <TriangleMesh M>
+void validate_closed(const M& mesh) {
+  detail::check_coordinates(mesh);
+  const auto triangles = detail::checked_connectivity<3>(mesh, Entity::triangle);
+  if (triangles.empty()) throw open_surface("the surface has no triangles");
+  const TriangleAdjacency adjacency = make_adjacency(mesh);
+  for (index_t h = 0; h < adjacency.opposite.size(); ++h)
+    if (adjacency.opposite[h] == no_index)
+      throw open_surface("the surface is open along edge (" + std::to_string(adjacency.from(h)) + ", " +
+                             std::to_string(adjacency.to(h)) + ")",
+                         Entity::edge, {adjacency.from(h), adjacency.to(h)});
+}
+
+}  // namespace framehex

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#define FRAMEHEX_VERSION_MAJOR 0
+#define FRAMEHEX_VERSION_MINOR 1
+#define FRAMEHEX_VERSION_PATCH 0
+#define FRAMEHEX_VERSION "0.1.0"
