@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/selection/indexed_heap.hpp"
+#include "framehex/selection/selection.hpp"
+
+namespace framehex {
+
+/// Takes candidates by falling weight, each unless a neighbour was taken before.
+///
+/// @return the members, ascending: a maximal independent set.
+/// @par Complexity   O(n log n + conflicts).
+/// @par Determinism  Equal weights by number.
+/// @par Source       Paper, section 2.2.
+inline std::vector<index_t> select_greedily(const IncompatibilityGraph& graph) {
+  std::vector<index_t> members;
+  detail::complete(graph, members);
+  return members;
+}
+
+/// Takes, again and again, the candidate with the largest share of the weight that its choice decides: its own, over
+/// its own and that of the neighbours still open.
+///
+/// @return the members, ascending: a maximal independent set, usually much heavier than the greedy one.
+/// @par Complexity   O((n + conflicts) log n); 24 bytes a candidate.
+/// @par Determinism  Equal shares by number.
+inline std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph) {
+  const auto n = static_cast<index_t>(graph.size());
+  const auto weights = graph.weights_in_units();
+  // A zero weight must not make a share of 0/0, and must still be taken in the end.
+  const auto share = [&](index_t v, std::int64_t closed) {
+    return closed > 0 ? static_cast<double>(weights[v]) / static_cast<double>(closed) : 0.0;
+  };
+  std::vector<std::int64_t> closed_weight(n);
+  std::vector<double> keys(n);
+  for (index_t v = 0; v < n; ++v) {
+    closed_weight[v] = weights[v] + detail::weight_in_units(graph, graph.neighbours(v));
+    keys[v] = share(v, closed_weight[v]);
+  }
+  detail::IndexedMaxHeap heap(std::move(keys));
+  std::vector<index_t> members, touched;
+  std::vector<index_t> touched_by(n, no_index);
+  while (!heap.empty()) {
+    const index_t chosen = heap.pop();
+    members.push_back(chosen);
+    touched.clear();
+    for (const index_t u : graph.neighbours(chosen))
+      if (heap.contains(u)) heap.erase(u), touched.push_back(u);
+    const std::size_t n_removed = touched.size();
+    for (std::size_t i = 0; i < n_removed; ++i) {
+      const index_t removed = touched[i];
+      for (const index_t x : graph.neighbours(removed)) {
+        if (!heap.contains(x)) continue;
+        closed_weight[x] -= weights[removed];
+        if (touched_by[x] == chosen) continue;
+        touched_by[x] = chosen;
+        touched.push_back(x);
+      }
+    }
+    for (std::size_t i = n_removed; i < touched.size(); ++i)
+      heap.raise(touched[i], share(touched[i], closed_weight[touched[i]]));
+  }
+  std::sort(members.begin(), members.end());
+  return members;
+}
+
+}  // namespace framehex
