@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+// Everything but the adapters to foreign libraries.
+// clang-format off
+
+#include "framehex/config.hpp"
+#include "framehex/errors.hpp"
+#include "framehex/executor.hpp"
+#include "framehex/observer.hpp"
+#include "framehex/version.hpp"
+#include "framehex/geometry/cell_kinds.hpp"
+#include "framehex/geometry/predicates.hpp"
+#include "framehex/geometry/spatial_index.hpp"
+#include "framehex/geometry/triangle_distance.hpp"
+#include "framehex/mesh/adjacency.hpp"
+#include "framehex/mesh/boundary.hpp"
+#include "framehex/mesh/concepts.hpp"
+#include "framehex/mesh/csr.hpp"
+#include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/mesh/validation.hpp"
+#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface_locator.hpp"
+#include "framehex/surface/surface_point.hpp"
+#include "framehex/surface/surface_sample.hpp"
+#include "framehex/insertion/tetrahedralizer.hpp"
+#include "framehex/recombination/candidates.hpp"
+#include "framehex/selection/candidate_weights.hpp"
+#include "framehex/selection/conflict_search.hpp"
+#include "framehex/selection/greedy.hpp"
+#include "framehex/selection/incompatibility_graph.hpp"
+#include "framehex/selection/indexed_heap.hpp"
+#include "framehex/selection/select.hpp"
+#include "framehex/selection/selection.hpp"
+#include "framehex/verify/independence.hpp"

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Installs from Debian's packages what the project is built and tested with, and nothing where all is there.
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build
+  libeigen3-dev libboost-dev                        # the library
+  libcli11-dev nlohmann-json3-dev                   # the program: command line, reports
+  libassimp-dev libpugixml-dev zlib1g-dev           # readers
+  tetgen                                            # the tetrahedraliser, run as a separate program
+  catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
+  python3-numpy python3-scipy python3-meshio        # independent judges in the tests
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$state" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "setup.sh: run as root, or install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "installing ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get -qq update
+"${as_root[@]}" apt-get -qq install --yes --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds everything and runs all tests through CTest.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+preset=${1:-gcc-release}
+
+scripts/setup.sh
+cmake --preset "$preset"
+cmake --build --preset "$preset" --target all benchmarks
+ctest --preset "$preset" --parallel "$(nproc)"

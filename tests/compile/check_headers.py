@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Checks what a compiler does not: check_headers.py SOURCE_DIR [--write-umbrella]
+
+Includes point up the list of layers only; the core includes the standard library, Eigen and Boost, and one header alone
+Boost.Geometry; every header has its licence line and guard and at most 500 lines; framehex.hpp has every header of the
+core and no adapter.
+"""
+import pathlib
+import re
+import sys
+
+LAYERS = ["", "geometry", "mesh", "surface", "field", "insertion", "recombination", "selection", "assembly", "verify",
+          "pipeline", "io", "adapters"]
+MAX_LINES = 500
+UMBRELLA = "framehex.hpp"
+
+
+def layer(path):
+    return path.parts[0] if len(path.parts) > 1 else ""
+
+
+def umbrella_text(headers):
+    core = [h for h in headers if layer(h) != "adapters" and "detail" not in h.parts and h.name != UMBRELLA]
+    core.sort(key=lambda h: (LAYERS.index(layer(h)), h.as_posix()))
+    lines = ["// SPDX-License-Identifier: BSL-1.0", "#pragma once", "",
+             "// Everything but the adapters to foreign libraries.", "// clang-format off", ""]
+    lines += [f'#include "framehex/{h.as_posix()}"' for h in core]
+    return "\n".join(lines) + "\n"
+
+
+def check(header, text, errors):
+    lines = text.splitlines()
+    if not lines or lines[0] != "// SPDX-License-Identifier: BSL-1.0" or "#pragma once" not in lines[:3]:
+        errors.append(f"{header}: does not start with the licence line and #pragma once")
+    if len(lines) > MAX_LINES:
+        errors.append(f"{header}: {len(lines)} lines")
+    if re.search(r"^\s*using namespace", text, re.M):
+        errors.append(f"{header}: using namespace")
+    mine = layer(header)
+    for included in re.findall(r'^\s*#\s*include\s+"([^"]+)"', text, re.M):
+        if not included.startswith("framehex/"):
+            errors.append(f'{header}: includes "{included}", not by its path from framehex/')
+            continue
+        other = layer(pathlib.PurePosixPath(included).relative_to("framehex"))
+        if other not in LAYERS or LAYERS.index(other) > LAYERS.index(mine):
+            errors.append(f"{header}: includes {included}, which is further down the list of layers")
+    if mine == "adapters":
+        return
+    for included in re.findall(r"^\s*#\s*include\s+<([^>]+)>", text, re.M):
+        standard = "/" not in included and "." not in included
+        posix = included in ("fcntl.h", "unistd.h") and mine == "io"
+        if not (standard or posix or included.startswith(("Eigen/", "boost/"))):
+            errors.append(f"{header}: the core includes <{included}>")
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]) / "include" / "framehex"
+    headers = sorted(pathlib.PurePosixPath(p.relative_to(root).as_posix()) for p in root.rglob("*.hpp"))
+    umbrella = root / UMBRELLA
+    if "--write-umbrella" in sys.argv:
+        umbrella.write_text(umbrella_text(headers))
+    errors, geometry = [], []
+    for header in headers:
+        if layer(header) not in LAYERS:
+            errors.append(f"{header}: in no layer")
+            continue
+        text = (root / header).read_text()
+        if header.name == UMBRELLA:
+            continue
+        check(header, text, errors)
+        if "boost/geometry" in text:
+            geometry.append(str(header))
+    if len(geometry) > 1:
+        errors.append(f"Boost.Geometry is included by more than one header: {', '.join(geometry)}")
+    if umbrella.read_text() != umbrella_text(headers):
+        errors.append("framehex.hpp does not list the core's headers; run check_headers.py . --write-umbrella")
+    print("\n".join(errors) if errors else f"{len(headers)} headers keep the rules")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

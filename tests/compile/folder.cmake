@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSL-1.0
+# What must compile, and what must not.
+
+# Every header compiles alone, with our warnings: the library's, and the adapters' with the library each needs.
+find_package(assimp CONFIG REQUIRED)
+find_package(pugixml CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
+add_library(framehex_headers_alone INTERFACE)
+target_sources(framehex_headers_alone INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include
+                                                                  FILES ${framehex_headers})
+target_link_libraries(framehex_headers_alone INTERFACE framehex_development assimp::assimp pugixml::pugixml ZLIB::ZLIB)
+set_target_properties(framehex_headers_alone PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+add_test(NAME "compile: each header alone"
+         COMMAND ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target
+                 framehex_headers_alone_verify_interface_header_sets)
+set_tests_properties("compile: each header alone" PROPERTIES TIMEOUT 1800 RESOURCE_LOCK build_tree)
+
+# What the headers' text must keep to: layers, names of foreign libraries, length, licence line, umbrella.
+add_test(NAME "compile: headers keep the rules" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_headers.py
+                                                        ${PROJECT_SOURCE_DIR})
+
+# Each file of fail/ lacks one requirement of a concept; the compiler must refuse it and name what is missing.
+set(include_flags -I${PROJECT_SOURCE_DIR}/include)
+foreach(dependency IN ITEMS Eigen3::Eigen Boost::headers)
+  get_target_property(directories ${dependency} INTERFACE_INCLUDE_DIRECTORIES)
+  foreach(directory IN LISTS directories)
+    if(NOT directory IN_LIST CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES)
+      list(APPEND include_flags -isystem ${directory})
+    endif()
+  endforeach()
+endforeach()
+file(GLOB fail_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/fail/*.cpp)
+foreach(source IN LISTS fail_sources)
+  cmake_path(GET source STEM name)
+  file(STRINGS ${source} expected REGEX "^// error: ")
+  string(REPLACE "// error: " "" expected "${expected}")
+  add_test(NAME "compile: refused ${name}" COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only ${include_flags}
+                                                   ${source})
+  set_tests_properties("compile: refused ${name}" PROPERTIES ENVIRONMENT LC_ALL=C PASS_REGULAR_EXPRESSION
+                                                                                                "${expected}")
+endforeach()
