@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/geometry/cell_kinds.hpp"
+#include "framehex/geometry/detail/jacobian_bezier.hpp"
+#include "framehex/geometry/predicates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace framehex {
+
+namespace detail {
+
+enum class Sign { positive, not_positive, undecided };
+
+/// Looks for the sign of the Jacobian's minimum by halving; a value within `error` of 0 decides nothing.
+///
+/// Coefficients bound the function from below and those at a box's corners are its values. Boxes are visited depth
+/// first, and grow in number only round a minimum near 0: `max_boxes` ends the search there.
+template <class Number>
+Sign sign_of_minimum(const JacobianBezier<Number>& coefficients, const Number& error, int max_depth,
+                     std::size_t max_boxes) {
+  constexpr std::array<std::size_t, 8> values{0, 2, 6, 8, 18, 20, 24, 26};
+  struct Box {
+    JacobianBezier<Number> b;
+    Number error;
+    int depth;
+  };
+  std::vector<Box> boxes{{coefficients, error, 0}};
+  for (std::size_t visited = 0; !boxes.empty(); ++visited) {
+    const Box box = std::move(boxes.back());
+    boxes.pop_back();
+    if (*std::min_element(box.b.begin(), box.b.end()) > box.error) continue;
+    bool near_zero = box.depth == max_depth || visited == max_boxes;
+    for (const std::size_t value : values) {
+      if (box.b[value] < -box.error) return Sign::not_positive;
+      near_zero |= !(box.b[value] > box.error);
+    }
+    if (near_zero) return Sign::undecided;
+    // Halving multiplies by 64, exactly; the caller's error leaves room for its sums.
+    for (const auto& child : subdivide(box.b)) boxes.push_back({child, Number(64 * box.error), box.depth + 1});
+  }
+  return Sign::positive;
+}
+
+template <std::size_t N>
+std::array<Triple<double>, N> triples(std::span<const Vector3> corners) {
+  std::array<Triple<double>, N> p;
+  for (std::size_t i = 0; i < N; ++i) p[i] = {corners[i].x(), corners[i].y(), corners[i].z()};
+  return p;
+}
+
+/// Coordinates as integers, all times one power of two.
+template <std::size_t N>
+std::array<Triple<boost::multiprecision::cpp_int>, N> integer_triples(std::span<const Vector3> corners) {
+  using Integer = boost::multiprecision::cpp_int;
+  int lowest = 2000;
+  for (std::size_t i = 0; i < N; ++i)
+    for (const double x : corners[i])
+      if (x != 0) lowest = std::min(lowest, std::ilogb(x) - 52);
+  const auto integer = [lowest](double x) -> Integer {
+    if (x == 0) return 0;
+    const int exponent = std::ilogb(x) - 52;
+    // In two steps, because the scale of a denormal number is itself out of range.
+    const double mantissa = std::ldexp(std::ldexp(x, -exponent / 2), -(exponent - exponent / 2));
+    return Integer(static_cast<long long>(mantissa)) << (exponent - lowest);
+  };
+  std::array<Triple<Integer>, N> q;
+  for (std::size_t i = 0; i < N; ++i)
+    q[i] = {integer(corners[i].x()), integer(corners[i].y()), integer(corners[i].z())};
+  return q;
+}
+
+/// Largest component of the edges in one direction.
+template <std::size_t N>
+double magnitude(const std::array<Triple<double>, N>& edges) {
+  double m = 0;
+  for (const auto& e : edges) m = std::max({m, std::abs(e.x), std::abs(e.y), std::abs(e.z)});
+  return m;
+}
+
+inline bool has_positive_corners(CellKind kind, std::span<const Vector3> corners) {
+  const auto at = [&](std::int8_t i) -> const Vector3& { return corners[static_cast<std::size_t>(i)]; };
+  return std::ranges::all_of(
+      corners_of(kind), [&](const LocalCorner& c) { return orientation(at(c.corner), at(c.x), at(c.y), at(c.z)) > 0; });
+}
+
+/// Products of magnitudes for which neither the filters' arithmetic nor their halvings leave the range of a double.
+inline bool in_filter_range(double product) {
+  return product > 1e-250 && product < 1e250;
+}
+
+inline bool is_valid_hexahedron(std::span<const Vector3> corners) {
+  using Integer = boost::multiprecision::cpp_int;
+  const HexahedronEdges<double> edges(triples<8>(corners));
+  const JacobianBezier<double> b = jacobian_bezier(edges);
+  // With u = 2^-53 and P the product of the largest components in the three directions, a determinant has six terms of
+  // at most P, each wrong by 9 u; times 8, and summed to the centre's coefficient, less than 5600 u P. Sixteen halvings
+  // with their rounding add four times that at most.
+  const double product = magnitude(edges.u) * magnitude(edges.v) * magnitude(edges.w);
+  const double error = 0x1p-40 * product;
+  if (in_filter_range(product)) {
+    if (*std::min_element(b.begin(), b.end()) > error) return true;
+    const Sign sign = sign_of_minimum(b, 5 * error, 16, 1000);
+    if (sign != Sign::undecided) return sign == Sign::positive;
+  }
+  if (!has_positive_corners(CellKind::hexahedron, corners)) return false;
+  const auto exact = jacobian_bezier(HexahedronEdges<Integer>(integer_triples<8>(corners)));
+  return sign_of_minimum(exact, Integer(0), 40, 2000) == Sign::positive;
+}
+
+/// Coefficients of the Jacobian along a prism's three edges between its triangles: first, twice the middle, last.
+/// Within a triangle it is linear, so that these decide.
+template <class Number>
+std::array<std::array<Number, 3>, 3> jacobian_bezier(const std::array<Triple<Number>, 6>& p) {
+  const Triple<Number> a0 = p[1] - p[0], b0 = p[2] - p[0], a1 = p[4] - p[3], b1 = p[5] - p[3];
+  const Triple<Number> first = cross(a0, b0), middle = cross(a0, b1) + cross(a1, b0), last = cross(a1, b1);
+  std::array<std::array<Number, 3>, 3> b;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Triple<Number> c = p[i + 3] - p[i];
+    b[i] = {dot(first, c), dot(middle, c), dot(last, c)};
+  }
+  return b;
+}
+
+inline bool is_valid_prism(std::span<const Vector3> corners) {
+  using Integer = boost::multiprecision::cpp_int;
+  const auto p = triples<6>(corners);
+  const double in_plane = magnitude(std::array{p[1] - p[0], p[2] - p[0], p[4] - p[3], p[5] - p[3]});
+  const double product = in_plane * in_plane * magnitude(std::array{p[3] - p[0], p[4] - p[1], p[5] - p[2]});
+  const double error = 128 * 0x1p-53 * product;
+  const auto is_clear = [error](const auto& b) { return b[0] > error && b[1] > error && b[2] > error; };
+  if (in_filter_range(product) && std::ranges::all_of(jacobian_bezier(p), is_clear)) return true;
+  return has_positive_corners(CellKind::prism, corners) &&
+         std::ranges::all_of(jacobian_bezier(integer_triples<6>(corners)), [](const std::array<Integer, 3>& b) {
+           return b[1] >= 0 || b[1] * b[1] < 4 * b[0] * b[2];
+         });
+}
+
+}  // namespace detail
+
+/// Whether the map of a cell is invertible: its Jacobian is positive everywhere on the closed reference cell (a
+/// pyramid's apex, where it is null by construction, taken as the limit).
+///
+/// Decided for the coordinates as stored: floating-point arithmetic with an error bound first, integers of any length
+/// where that does not tell. Tetrahedra and pyramids need their corners only, prisms three quadratics, hexahedra the 27
+/// Bezier coefficients of the Jacobian and their subdivision.
+///
+/// @param kind     kind of cell.
+/// @param corners  n_corners(kind) points, in the order of geometry/cell_kinds.hpp.
+/// @pre finite coordinates.
+/// @return true only if positive everywhere. The subdivision has to end: of a hexahedron whose Jacobian is positive but
+///         comes nearer to 0 than some 1e-24 of its scale, elsewhere than at a corner, the answer is false.
+/// @par Complexity   O(1); integers are some thousand times slower, and met on nearly degenerate cells only.
+/// @par Source       Johnen, Weill, Remacle, Robust and efficient validation of the linear hexahedral element, 2017
+///                   (arXiv:1706.01613). Departs: an error bound instead of a tolerance, and an exact second stage.
+inline bool is_valid(CellKind kind, std::span<const Vector3> corners) {
+  switch (kind) {
+    case CellKind::hexahedron: return detail::is_valid_hexahedron(corners);
+    case CellKind::prism: return detail::is_valid_prism(corners);
+    // A pyramid's Jacobian, over the square of the distance to the apex, is bilinear.
+    default: return detail::has_positive_corners(kind, corners);
+  }
+}
+
+}  // namespace framehex
