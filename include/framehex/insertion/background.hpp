@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/errors.hpp"
+#include "framehex/executor.hpp"
+#include "framehex/surface/surface_locator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace framehex {
+
+/// Interior points of a background mesh: a body-centred cubic lattice cut by the surface.
+///
+/// The frame field is computed on the tetrahedra of these points and of the surface's own; their size decides how
+/// sharply it is resolved, not where the points of the result are. Body-centred lattices give well-shaped tetrahedra.
+///
+/// @param surface  closed, outward, n triangles.
+/// @param locator  of that surface.
+/// @param edge     side of the cubes, in the surface's unit, > 0.
+/// @return points inside, ascending by layer, none nearer than edge / 2 to the surface.
+/// @throws invalid_option  when `edge` is not positive and finite, or asks for more than `max_points` points.
+/// @par Complexity   O(m log n) time for m lattice points in the bounding box, O(m) memory.
+template <Executor E = SerialExecutor>
+std::vector<Vector3> background_points(const IndexedTriangleMesh& surface, const SurfaceLocator& locator, double edge,
+                                       const E& executor = {}, double max_points = 2e7) {
+  if (!(edge > 0) || !std::isfinite(edge)) throw invalid_option("the background edge must be positive and finite");
+  Vector3 low = surface.points.front(), high = low;
+  for (const Vector3& p : surface.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vector3 extent = (high - low) / edge;
+  if (2 * (extent.x() + 1) * (extent.y() + 1) * (extent.z() + 1) > max_points)
+    throw invalid_option("a background edge of " + std::to_string(edge) +
+                         " asks for too many points in the box of the surface");
+
+  // Layers at half-cube heights; every second one is shifted by half a cube.
+  const auto n_layers = static_cast<std::size_t>(2 * extent.z()) + 1;
+  std::vector<std::vector<Vector3>> layers(n_layers);
+  executor(n_layers, [&](std::size_t layer, std::size_t) {
+    const double shift = layer % 2 == 0 ? 0.25 : 0.75;
+    for (double y = shift; y < extent.y(); ++y)
+      for (double x = shift; x < extent.x(); ++x) {
+        const Vector3 p = low + edge * Vector3(x, y, 0.25 + 0.5 * static_cast<double>(layer));
+        if (locator.inside(p) && !locator.nearest_within(p, 0.5 * edge)) layers[layer].push_back(p);
+      }
+  });
+  std::vector<Vector3> points;
+  for (const auto& layer : layers) points.insert(points.end(), layer.begin(), layer.end());
+  return points;
+}
+
+}  // namespace framehex
