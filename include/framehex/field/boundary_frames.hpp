@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/errors.hpp"
+#include "framehex/field/cube_rotation_group.hpp"
+#include "framehex/mesh/adjacency.hpp"
+#include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/surface/feature_graph.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace framehex {
+
+/// What the surface asks of the frame of a vertex.
+enum class FrameConstraint : std::uint8_t {
+  none,   ///< nothing
+  axis,   ///< one axis is given, the frame may turn about it
+  fixed,  ///< the whole frame is given
+};
+
+/// Frames on a surface, per surface vertex.
+struct BoundaryFrames {
+  std::vector<Quaternion> frames;            ///< unit
+  std::vector<FrameConstraint> constraints;  ///< axis: a smooth place, or a curve whose two normals do not agree
+  std::vector<Vector3> axes;                 ///< unit: the outward normal, or the curve's tangent; zero where fixed
+};
+
+struct BoundaryFrameOptions {
+  /// A vertex of a feature curve is fixed when the normals on its two sides can be met within this angle (rad);
+  /// otherwise only the curve's tangent is kept.
+  double curve_tolerance = 15 * std::numbers::pi / 180;
+};
+
+namespace detail {
+
+/// A direction that an axis of the frame should have, up to sign.
+struct WeightedDirection {
+  Vector3 direction;
+  double weight;
+};
+
+/// Least rotation that brings the nearest of the six half axes of a frame onto a direction, as axis times angle.
+inline Vector3 rotation_onto(const Quaternion& frame, const Vector3& direction) {
+  const Vector3 local = frame.conjugate() * direction;
+  Vector3::Index nearest = 0;
+  local.cwiseAbs().maxCoeff(&nearest);
+  Vector3 axis = Vector3::Zero();
+  axis[nearest] = local[nearest] < 0 ? -1 : 1;
+  const Vector3 cross = axis.cross(local);
+  const double sine = cross.norm();
+  if (sine == 0) return Vector3::Zero();
+  return frame * Vector3(cross * (std::atan2(sine, local.dot(axis)) / sine));
+}
+
+/// Turns a frame by the least rotation so that `direction` is one of its axes.
+inline Quaternion snapped(const Quaternion& frame, const Vector3& direction) {
+  return (CubeRotationGroup<>::exponential(rotation_onto(frame, direction)) * frame).normalized();
+}
+
+struct FrameFit {
+  Quaternion frame = Quaternion::Identity();
+  double cost = 0;  ///< weighted sum of the squared angles
+};
+
+/// Least-squares frame through directions, from a start.
+inline FrameFit fit_frame(Quaternion frame, std::span<const WeightedDirection> directions) {
+  // A direction says nothing about turning round itself: Gauss-Newton with these projections. The small multiple of
+  // the identity leaves the turn alone where all directions are parallel.
+  Eigen::Matrix3d normal_matrix = 1e-9 * Eigen::Matrix3d::Identity();
+  for (const auto& d : directions)
+    normal_matrix += d.weight * (Eigen::Matrix3d::Identity() - d.direction * d.direction.transpose());
+  const Eigen::Matrix3d inverse = normal_matrix.inverse();
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    Vector3 residual = Vector3::Zero();
+    for (const auto& d : directions) residual += d.weight * rotation_onto(frame, d.direction);
+    const Vector3 step = inverse * residual;
+    frame = (CubeRotationGroup<>::exponential(step) * frame).normalized();
+    if (step.squaredNorm() < 1e-20) break;
+  }
+  FrameFit fit{frame, 0};
+  for (const auto& d : directions) fit.cost += d.weight * rotation_onto(frame, d.direction).squaredNorm();
+  return fit;
+}
+
+/// One vertex of the surface and what surrounds it, with scratch memory for the next.
+class BoundaryFrameBuilder {
+public:
+  BoundaryFrameBuilder(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
+                       const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+                       const BoundaryFrameOptions& options)
+      : surface_(surface), adjacency_(adjacency), features_(features), crosses_(triangle_frames), options_(options) {}
+
+  void build(index_t v, BoundaryFrames& out) {
+    gather(v);
+    if (fan_.empty()) return;
+    const bool featured = !tangents_.empty();
+    if (!featured && use_mean_normal(v, out)) return;
+    directions_.clear();
+    collect_sectors();
+    const std::size_t n_normals = directions_.size();
+    const bool on_curve = tangents_.size() == 2 && !is_corner(v);
+    Vector3 tangent = Vector3::Zero();
+    if (on_curve) tangent = tangents_[0] - tangents_[1];
+    if (on_curve && tangent.norm() > 0.5)
+      directions_.push_back({tangent.normalized(), 1});
+    else
+      for (const Vector3& t : tangents_) directions_.push_back({t, 0.5});
+
+    FrameFit best;
+    for (std::size_t i = 0; i < fan_.size(); ++i) {
+      const FrameFit fit = fit_frame(crosses_[fan_[i].triangle], directions_);
+      if (i == 0 || fit.cost < best.cost - 1e-9) best = fit;
+    }
+    out.frames[v] = best.frame;
+    out.constraints[v] = FrameConstraint::fixed;
+    double worst = 0;
+    for (std::size_t i = 0; i < n_normals; ++i)
+      worst = std::max(worst, rotation_onto(best.frame, directions_[i].direction).norm());
+    if (on_curve && tangent.norm() > 0.5 && worst > options_.curve_tolerance) {
+      out.axes[v] = tangent.normalized();
+      out.frames[v] = snapped(best.frame, out.axes[v]);
+      out.constraints[v] = FrameConstraint::axis;
+    }
+  }
+
+private:
+  struct Corner {
+    index_t triangle;
+    index_t half_edge;  ///< leaves the vertex
+    Vector3 normal;
+    double angle;
+    std::size_t sector;
+  };
+
+  bool is_corner(index_t v) const { return std::binary_search(features_.corners.begin(), features_.corners.end(), v); }
+  bool is_feature(index_t half_edge) const { return !features_.is_feature.empty() && features_.is_feature[half_edge]; }
+
+  void gather(index_t v) {
+    fan_.clear();
+    tangents_.clear();
+    for (const index_t t : adjacency_.triangles_of_vertex[v]) {
+      index_t h = 3 * t;
+      while (adjacency_.from(h) != v) ++h;
+      const Vector3& p = surface_.points[v];
+      const Vector3 a = surface_.points[adjacency_.to(h)] - p, b = surface_.points[adjacency_.apex(h)] - p;
+      const Vector3 cross = a.cross(b);
+      const double area = cross.norm();
+      if (is_feature(h)) add_tangent(a);
+      const index_t in = TriangleAdjacency::previous(h);
+      if (is_feature(in) && adjacency_.opposite[in] == no_index) add_tangent(b);
+      if (!(area > 0)) continue;  // a triangle without area has no normal
+      fan_.push_back({t, h, cross / area, std::atan2(area, a.dot(b)), fan_.size()});
+    }
+    if (fan_.empty() && !adjacency_.triangles_of_vertex[v].empty())
+      throw invalid_field("no triangle round vertex " + std::to_string(v) + " has a normal", Entity::vertex, {v});
+  }
+
+  void add_tangent(const Vector3& edge) {
+    const double length = edge.norm();
+    if (length > 0) tangents_.push_back(edge / length);
+  }
+
+  /// A smooth place: the normal is the mean by angle, the cross the mean of the crosses carried to it.
+  bool use_mean_normal(index_t v, BoundaryFrames& out) const {
+    Vector3 sum = Vector3::Zero();
+    double total = 0;
+    for (const Corner& c : fan_) {
+      sum += c.angle * c.normal;
+      total += c.angle;
+    }
+    if (!(sum.norm() > 0.2 * total)) return false;
+    const Vector3 normal = sum.normalized();
+    const Quaternion reference = carried(fan_.front(), normal);
+    double cosine = 0, sine = 0;
+    for (const Corner& c : fan_) {
+      const Vector3 x = reference.conjugate() * (carried(c, normal) * Vector3::UnitX());
+      const double angle = std::atan2(x.y(), x.x());
+      cosine += c.angle * std::cos(4 * angle);
+      sine += c.angle * std::sin(4 * angle);
+    }
+    const bool decided = cosine * cosine + sine * sine > 1e-20 * total * total;
+    const double turn = decided ? std::atan2(sine, cosine) / 4 : 0;
+    out.frames[v] = (reference * Quaternion(Eigen::AngleAxisd(turn, Vector3::UnitZ()))).normalized();
+    out.constraints[v] = FrameConstraint::axis;
+    out.axes[v] = normal;
+    return true;
+  }
+
+  /// The frame of a triangle, its z axis turned onto `normal`.
+  Quaternion carried(const Corner& corner, const Vector3& normal) const {
+    const Quaternion& frame = crosses_[corner.triangle];
+    return Quaternion::FromTwoVectors(frame * Vector3::UnitZ(), normal) * frame;
+  }
+
+  /// Mean normals of the parts into which the feature edges cut the triangles round the vertex; of each triangle
+  /// for itself where a part has no mean.
+  void collect_sectors() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (Corner& c : fan_)
+        for (Corner& d : fan_) {
+          if (is_feature(c.half_edge) || adjacency_.opposite[c.half_edge] == no_index) continue;
+          if (adjacency_.opposite[c.half_edge] / 3 != d.triangle || c.sector == d.sector) continue;
+          c.sector = d.sector = std::min(c.sector, d.sector);
+          changed = true;
+        }
+    }
+    for (std::size_t sector = 0; sector < fan_.size(); ++sector) {
+      Vector3 sum = Vector3::Zero();
+      double total = 0;
+      for (const Corner& c : fan_)
+        if (c.sector == sector) {
+          sum += c.angle * c.normal;
+          total += c.angle;
+        }
+      if (total == 0) continue;
+      if (sum.norm() > 0.2 * total) {
+        directions_.push_back({sum.normalized(), 1});
+      } else {
+        for (const Corner& c : fan_)
+          if (c.sector == sector) directions_.push_back({c.normal, c.angle / total});
+      }
+    }
+  }
+
+  const IndexedTriangleMesh& surface_;
+  const TriangleAdjacency& adjacency_;
+  const FeatureGraph& features_;
+  std::span<const Quaternion> crosses_;
+  BoundaryFrameOptions options_;
+  std::vector<Corner> fan_;
+  std::vector<Vector3> tangents_;
+  std::vector<WeightedDirection> directions_;
+};
+
+}  // namespace detail
+
+/// Frames of the vertices of a surface from its crosses, normals and features.
+///
+/// At a smooth place the frame is the mean normal with the mean cross. On a feature the frame is the nearest, in least
+/// squares of angles, to the normals of the parts that meet there and to the tangents of the curves: normals that are
+/// not orthogonal to one another are so met half way and not forced.
+///
+/// @param surface, adjacency, features  the surface; `features.is_feature` may be empty (no features).
+/// @param triangle_frames  n_triangles unit quaternions, z the outward normal, x and y the cross.
+/// @return per vertex; a vertex without triangles has the constraint `none`.
+/// @throws invalid_field  with the triangle whose frame is not a unit quaternion, or the vertex that has only triangles
+///                        without area; invalid_option when a count does not match.
+/// @par Complexity   O(n).
+/// @par Source       The paper, section 3.3 (the boundary condition). Departs: features and corners, of which the paper
+///                   does not speak.
+inline BoundaryFrames make_boundary_frames(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
+                                           const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+                                           const BoundaryFrameOptions& options = {}) {
+  if (triangle_frames.size() != surface.triangles.size())
+    throw invalid_option("there are " + std::to_string(triangle_frames.size()) + " frames for " +
+                         std::to_string(surface.triangles.size()) + " triangles");
+  if (!features.is_feature.empty() && features.is_feature.size() != 3 * surface.triangles.size())
+    throw invalid_option("the features are not those of this surface");
+  for (std::size_t t = 0; t < triangle_frames.size(); ++t)
+    if (!(std::abs(triangle_frames[t].norm() - 1) < 1e-6))
+      throw invalid_field("the frame of triangle " + std::to_string(t) + " is not a unit quaternion", Entity::triangle,
+                          {t});
+  BoundaryFrames out;
+  out.frames.assign(surface.points.size(), Quaternion::Identity());
+  out.constraints.assign(surface.points.size(), FrameConstraint::none);
+  out.axes.assign(surface.points.size(), Vector3::Zero());
+  detail::BoundaryFrameBuilder builder(surface, adjacency, features, triangle_frames, options);
+  for (index_t v = 0; v < surface.points.size(); ++v) builder.build(v, out);
+  return out;
+}
+
+}  // namespace framehex

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/executor.hpp"
+#include "framehex/field/boundary_frames.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+namespace framehex {
+
+namespace detail {
+
+/// Calls `body(first, last)` on blocks of a size that does not depend on the executor.
+template <class E, class Body>
+void for_blocks(const E& executor, std::size_t n, std::size_t block_size, Body&& body) {
+  executor((n + block_size - 1) / block_size, [&](std::size_t block, std::size_t) {
+    const std::size_t first = block * block_size;
+    body(first, std::min(n, first + block_size));
+  });
+}
+
+inline constexpr std::size_t block_size = 1024;
+
+/// Weighted mean of frames, after turning each into the representative nearest to the heaviest one.
+/// @pre at least one weight is positive, none is negative.
+template <std::size_t N>
+Quaternion mean_frame(const std::array<Quaternion, N>& frames, const std::array<double, N>& weights) {
+  std::size_t heaviest = 0;
+  for (std::size_t i = 1; i < N; ++i)
+    if (weights[i] > weights[heaviest]) heaviest = i;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < N; ++i)
+    if (weights[i] > 0) sum += weights[i] * CubeRotationGroup<>::aligned(frames[heaviest], frames[i]).coeffs();
+  return Quaternion(sum.normalized());
+}
+
+inline double vertex_smoothness(index_t v, std::span<const index_t> ring, std::span<const Quaternion> frames) {
+  if (ring.empty()) return 1;
+  double sum = 0;
+  for (const index_t w : ring) sum += CubeRotationGroup<>::angle(frames[v], frames[w]);
+  return 1 - 4 / (std::numbers::pi * static_cast<double>(ring.size())) * sum;
+}
+
+}  // namespace detail
+
+/// Smoothness of every vertex, s = 1 - 4/(pi N) * sum of the least angles to the frames of its N neighbours.
+///
+/// @param frames  n_vertices unit quaternions.
+/// @return n_vertices values from -0.40 (its neighbours are as far as frames can be) to 1 (all alike; also for a vertex
+///         without neighbours).
+/// @par Complexity   O(edges).
+/// @par Source       The paper, section 3.3. Its lower bound "approximately 0" is -0.396: the greatest least angle is
+///                   62.8 degrees, not 45.
+template <class E = SerialExecutor>
+std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<const Quaternion> frames,
+                                     const E& executor = {}) {
+  std::vector<double> smoothness(frames.size());
+  detail::for_blocks(executor, frames.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
+    for (std::size_t v = first; v < last; ++v)
+      smoothness[v] = detail::vertex_smoothness(static_cast<index_t>(v), adjacency.vertices_of_vertex[v], frames);
+  });
+  return smoothness;
+}
+
+/// Weight of every directed edge, in the order of `adjacency.vertices_of_vertex.values`, with which the sum of squared
+/// differences over edges approximates the Dirichlet integral.
+///
+/// Linear finite elements (the "cotangent" weights), but never below a tenth of the edge's share by volume: negative
+/// weights, which obtuse dihedral angles give, would let an energy fall without bound.
+///
+/// @return lengths in the host's unit, all > 0 on a valid mesh; the same for both directions of an edge.
+/// @par Complexity   O(tetrahedra).
+inline std::vector<double> dirichlet_weights(const TetAdjacency& adjacency, std::span<const Vector3> points) {
+  const Csr<index_t>& ring = adjacency.vertices_of_vertex;
+  std::vector<double> weights(ring.values.size(), 0.0), floor(ring.values.size(), 0.0);
+  const auto slot = [&](index_t v, index_t w) {
+    const auto row = ring[v];
+    return ring.offsets[v] + static_cast<offset_t>(std::lower_bound(row.begin(), row.end(), w) - row.begin());
+  };
+  for (const auto& tet : adjacency.tets) {
+    const Vector3 &a = points[tet[0]], &b = points[tet[1]], &c = points[tet[2]], &d = points[tet[3]];
+    // Gradients of the four hat functions, times six volumes.
+    std::array<Vector3, 4> gradient;
+    gradient[1] = (c - a).cross(d - a);
+    gradient[2] = (d - a).cross(b - a);
+    gradient[3] = (b - a).cross(c - a);
+    gradient[0] = -(gradient[1] + gradient[2] + gradient[3]);
+    const double six_volumes = gradient[1].dot(b - a);
+    if (!(six_volumes > 0)) continue;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const double value = -gradient[i].dot(gradient[j]) / (6 * six_volumes);
+        const double share = 0.1 * six_volumes / (6 * (points[tet[i]] - points[tet[j]]).squaredNorm());
+        for (const offset_t s : {slot(tet[i], tet[j]), slot(tet[j], tet[i])}) {
+          weights[s] += value;
+          floor[s] += share;
+        }
+      }
+  }
+  for (std::size_t s = 0; s < weights.size(); ++s) weights[s] = std::max(weights[s], floor[s]);
+  return weights;
+}
+
+/// Dirichlet energy of a field: half the integral of the squared gradient of the angle, rad^2 times length.
+///
+/// @param weights  of `dirichlet_weights`.
+/// @par Complexity   O(edges).
+inline double dirichlet_energy(const TetAdjacency& adjacency, std::span<const Quaternion> frames,
+                               std::span<const double> weights) {
+  const Csr<index_t>& ring = adjacency.vertices_of_vertex;
+  double energy = 0;
+  for (std::size_t v = 0; v < ring.size(); ++v) {
+    double sum = 0;
+    for (offset_t s = ring.offsets[v]; s < ring.offsets[v + 1]; ++s) {
+      const index_t w = ring.values[s];
+      if (w < v) continue;
+      const double angle = CubeRotationGroup<>::angle(frames[v], frames[w]);
+      sum += weights[s] * angle * angle;
+    }
+    energy += sum / 2;
+  }
+  return energy;
+}
+
+}  // namespace framehex

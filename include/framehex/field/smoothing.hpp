@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/field/frame_measures.hpp"
+#include "framehex/observer.hpp"
+
+#include <numeric>
+
+namespace framehex {
+
+/// How much the frame of a neighbour counts.
+enum class Diffusivity {
+  constant,  ///< all alike
+  variable,  ///< little where the neighbour itself is in a rough place: smooth places spread, rough ones do not
+};
+
+struct SmoothingOptions {
+  Diffusivity diffusivity = Diffusivity::variable;
+  double local_tolerance = 5e-3;   ///< a vertex is settled when its rotation is less (rad)
+  double global_tolerance = 3e-2;  ///< the field has converged when the largest rotation of a sweep is less (rad)
+  double smooth_threshold = 0.85;  ///< smoothness from which a place is smooth (variable diffusivity)
+  double rough_weight = 1e-3;      ///< of a neighbour below that
+  int max_sweeps = 40;
+  int max_local_iterations = 20;
+  /// One weight per directed edge, in the order of the adjacency's neighbours (as `dirichlet_weights` gives); empty:
+  /// 1 each, as in the paper. Multiplies the diffusivity.
+  std::span<const double> edge_weights = {};
+  Observer observer = {};
+};
+
+/// What happened in one sweep over the free vertices.
+struct SweepReport {
+  double largest_rotation = 0;  ///< of a vertex, rad
+  double local_iterations = 0;  ///< mean over the vertices that were not skipped
+  double skipped = 0;           ///< fraction of the free vertices that were skipped
+};
+
+struct SmoothingReport {
+  std::vector<SweepReport> sweeps;
+  bool converged = false;            ///< the global tolerance was met
+  Status status = Status::complete;  ///< budget_exhausted: `max_sweeps` was reached before
+
+  /// Mean number of local iterations of a vertex that was not skipped, over all sweeps (the paper saw 2.1).
+  double mean_local_iterations() const {
+    double visits = 0, iterations = 0;
+    for (const SweepReport& s : sweeps) {
+      visits += 1 - s.skipped;
+      iterations += (1 - s.skipped) * s.local_iterations;
+    }
+    return visits > 0 ? iterations / visits : 0;
+  }
+};
+
+namespace detail {
+
+/// State of a smoothing in progress: the field and what each vertex last did.
+struct SmoothingState {
+  const Csr<index_t>& ring;
+  std::span<Quaternion> frames;
+  std::span<double> smoothness;
+  std::span<const FrameConstraint> constraints;
+  std::span<const Vector3> axes;
+  const SmoothingOptions& options;
+  std::vector<double> moved;             ///< rotation of the last visit, rad
+  std::vector<std::uint8_t> iterations;  ///< of the last visit; 0: skipped
+
+  double weight(index_t w, offset_t slot) const {
+    double c = options.edge_weights.empty() ? 1 : options.edge_weights[slot];
+    // On the boundary the frame is known, however rough its surroundings.
+    if (options.diffusivity == Diffusivity::variable && constraints[w] == FrameConstraint::none &&
+        smoothness[w] < options.smooth_threshold)
+      c *= options.rough_weight;
+    return c;
+  }
+
+  /// Mean rotation that takes the frame of `v` to those of its neighbours.
+  Vector3 mean_rotation(index_t v) const {
+    Vector3 sum = Vector3::Zero();
+    double total = 0;
+    for (offset_t s = ring.offsets[v]; s < ring.offsets[v + 1]; ++s) {
+      const double c = weight(ring.values[s], s);
+      sum += c * CubeRotationGroup<>::rotation_vector(frames[v], frames[ring.values[s]]);
+      total += c;
+    }
+    if (total > 0) sum /= total;
+    if (constraints[v] == FrameConstraint::axis) sum = axes[v] * axes[v].dot(sum);
+    return sum;
+  }
+
+  void visit(index_t v) {
+    const Quaternion start = frames[v];
+    std::uint8_t done = 0;
+    while (done < options.max_local_iterations) {
+      ++done;
+      const Vector3 rotation = mean_rotation(v);
+      if (rotation.norm() < options.local_tolerance) break;
+      frames[v] = (CubeRotationGroup<>::exponential(rotation) * frames[v]).normalized();
+    }
+    iterations[v] = done;
+    moved[v] = done == 1 ? 0 : CubeRotationGroup<>::angle(start, frames[v]);
+    smoothness[v] = vertex_smoothness(v, ring[v], frames);
+  }
+};
+
+/// Cuts an order of visits into stages that hold no two neighbours, such that every vertex comes after those of its
+/// neighbours that precede it in the order: visiting stage by stage, in parallel within each, gives to the bit what
+/// visiting one by one in the order gives.
+inline Csr<index_t> stages_of(const Csr<index_t>& ring, std::span<const index_t> order) {
+  constexpr index_t unseen = no_index;
+  std::vector<index_t> stage(ring.size(), unseen);
+  index_t n_stages = 0;
+  for (const index_t v : order) {
+    index_t s = 0;
+    for (const index_t w : ring[v])
+      if (stage[w] != unseen) s = std::max(s, stage[w] + 1);
+    stage[v] = s;
+    n_stages = std::max(n_stages, s + 1);
+  }
+  return make_csr(n_stages, [&](auto&& put) {
+    for (const index_t v : order) put(stage[v], v);
+  });
+}
+
+}  // namespace detail
+
+/// Smooths a field by turning each free frame to the mean of its neighbours', over and over.
+///
+/// Sweeps visit the vertices that moved least in the sweep before first; a vertex is skipped when neither it nor any
+/// neighbour moved in that sweep. Neither makes nor removes singular lines: the start decides.
+///
+/// @param frames       n_vertices unit quaternions, changed in place.
+/// @param smoothness   n_vertices values, brought up to date for every vertex.
+/// @param constraints  fixed frames stay; those with an axis turn about it only (the axis in `axes` and in the frame).
+/// @param executor     the visits of a sweep are grouped into stages without neighbours (a colouring that follows the
+///                     order of visits), so the result is to the bit that of the serial order for any executor.
+/// @return what each sweep did; `cancelled` leaves a valid field.
+/// @throws invalid_option  when a tolerance or a cap is not positive, or a count does not match.
+/// @par Complexity   O(edges) a sweep.
+/// @par Source       The paper, section 3.3, equations (2) to (5). Departs: the rotation is the mean and not the sum
+///                   (which overshoots); neighbours with a constraint always have weight 1; sweeps and local iterations
+///                   are capped.
+template <class E = SerialExecutor>
+SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternion> frames, std::span<double> smoothness,
+                              std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
+                              const SmoothingOptions& options = {}, const E& executor = {}) {
+  const std::size_t n = frames.size();
+  if (!(options.local_tolerance > 0) || !(options.global_tolerance > 0) || options.max_sweeps < 1 ||
+      options.max_local_iterations < 1 || options.max_local_iterations > 255 || !(options.rough_weight > 0))
+    throw invalid_option("smoothing needs positive tolerances, weights and caps (and at most 255 local iterations)");
+  if (smoothness.size() != n || constraints.size() != n || axes.size() != n || adjacency.n_vertices() != n ||
+      (!options.edge_weights.empty() && options.edge_weights.size() != adjacency.vertices_of_vertex.values.size()))
+    throw invalid_option("frames, constraints and weights are not those of one mesh");
+
+  const Csr<index_t>& ring = adjacency.vertices_of_vertex;
+  detail::SmoothingState state{ring,
+                               frames,
+                               smoothness,
+                               constraints,
+                               axes,
+                               options,
+                               std::vector<double>(n, 0.0),
+                               std::vector<std::uint8_t>(n, 0)};
+  const std::vector<double> initial = frame_smoothness(adjacency, frames, executor);
+  std::copy(initial.begin(), initial.end(), smoothness.begin());
+  std::vector<index_t> free, order;
+  for (std::size_t v = 0; v < n; ++v)
+    if (constraints[v] != FrameConstraint::fixed && !ring[v].empty()) free.push_back(static_cast<index_t>(v));
+
+  SmoothingReport report;
+  for (int sweep = 0; sweep < options.max_sweeps && !report.converged; ++sweep) {
+    order.clear();
+    for (const index_t v : free) {
+      const auto moves = [&](index_t w) { return state.moved[w] > 0; };
+      const auto row = ring[v];
+      if (sweep == 0 || moves(v) || std::any_of(row.begin(), row.end(), moves)) order.push_back(v);
+    }
+    std::stable_sort(order.begin(), order.end(), [&](index_t v, index_t w) { return state.moved[v] < state.moved[w]; });
+    std::fill(state.moved.begin(), state.moved.end(), 0.0);
+    const Csr<index_t> stages = detail::stages_of(ring, order);
+    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
+      const std::span<const index_t> members = stages[stage];
+      detail::for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) state.visit(members[i]);
+      });
+      if (!keep_going(options.observer, "smoothing",
+                      (sweep + static_cast<double>(stage) / static_cast<double>(stages.size())) / options.max_sweeps)) {
+        report.status = Status::cancelled;
+        break;
+      }
+    }
+    SweepReport& s = report.sweeps.emplace_back();
+    double visits = 0;
+    for (const index_t v : order) {
+      s.largest_rotation = std::max(s.largest_rotation, state.moved[v]);
+      s.local_iterations += state.iterations[v];
+      ++visits;
+    }
+    s.local_iterations = visits > 0 ? s.local_iterations / visits : 0;
+    s.skipped = free.empty() ? 0 : 1 - visits / static_cast<double>(free.size());
+    report.converged = s.largest_rotation < options.global_tolerance;
+    if (report.status == Status::cancelled) break;
+  }
+  if (!report.converged && report.status == Status::complete) report.status = Status::budget_exhausted;
+  const std::vector<double> last = frame_smoothness(adjacency, frames, executor);
+  std::copy(last.begin(), last.end(), smoothness.begin());
+  return report;
+}
+
+}  // namespace framehex
