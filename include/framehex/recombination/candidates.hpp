@@ -24,6 +24,13 @@ struct Candidates {
   std::size_t size() const { return vertices.size(); }
 };
 
+/// The kind of cell with that many corners.
+template <int Corners>
+inline constexpr CellKind kind_with = Corners == 4   ? CellKind::tetrahedron
+                                      : Corners == 5 ? CellKind::pyramid
+                                      : Corners == 6 ? CellKind::prism
+                                                     : CellKind::hexahedron;
+
 using PotentialHexahedra = Candidates<8>;
 using PotentialPrisms = Candidates<6>;
 using PotentialPyramids = Candidates<5>;
