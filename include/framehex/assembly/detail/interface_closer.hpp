@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/assembly/detail/originals.hpp"
+#include "framehex/assembly/options.hpp"
+
+namespace framehex::detail {
+
+/// Closes open quadrilaterals: by a pyramid over the tetrahedra in front, else by giving up the cell behind.
+class InterfaceCloser {
+public:
+  InterfaceCloser(CellComplex& complex, const Originals& originals, double quality_floor,
+                  AssemblyStatistics& statistics)
+      : complex_(complex), filler_(complex), originals_(originals), floor_(quality_floor), statistics_(statistics) {}
+
+  /// Merges pairs of tetrahedra with a common apex on an open quadrilateral, the best pyramids first.
+  void merge_pairs(double least_quality) {
+    struct Pair {
+      double quality;
+      index_t quad;
+    };
+    std::vector<Pair> pairs;
+    for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad) {
+      double quality = least_quality;
+      if (complex_.open_quads[quad].open && find_pair(quad, quality) != no_index) pairs.push_back({quality, quad});
+    }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.quality > y.quality; });
+    for (const Pair& pair : pairs) {
+      double quality = least_quality;
+      const index_t apex = find_pair(pair.quad, quality);  // one of the two may have gone to a better pyramid
+      if (apex != no_index && filler_.fill(cavity_, apex) == 1) ++statistics_.n_merged;
+    }
+  }
+
+  /// Closes every open quadrilateral.
+  void close_all() {
+    for (const double quality : {0.4, 0.3, 0.2}) for_each_open([&](index_t quad) { raise_to_vertex(quad, quality); });
+    for (const double quality : {0.3, 0.2, 0.1, floor_, 0.5 * floor_})
+      for_each_open([&](index_t quad) {
+        if (!raise_to_vertex(quad, std::max(quality, 0.1))) raise_to_new_vertex(quad, quality);
+      });
+    for_each_open([&](index_t quad) { give_up(quad, 0.5 * floor_); });
+  }
+
+private:
+  /// Quadrilaterals opened on the way are visited too.
+  template <class Visit>
+  void for_each_open(Visit&& visit) {
+    for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad)
+      if (complex_.open_quads[quad].open) visit(quad);
+  }
+
+  /// The cells round the diagonal in front of an open quadrilateral.
+  bool gather_fan(index_t quad, Cavity& cavity) {
+    const OpenQuad& q = complex_.open_quads[quad];
+    if (q.half_boundary) return false;
+    const index_t a = q.triangle(0)[0], c = q.triangle(0)[2];
+    cavity.cells.clear();
+    bool raisable = true;
+    complex_.for_each_cell_at(a, [&](index_t cell) {
+      if (!complex_.has_vertex(cell, c) || cell == q.cell) return;
+      const CellKind kind = complex_.cells[cell].kind;
+      if (kind == CellKind::hexahedron || kind == CellKind::prism) raisable = false;
+      cavity.cells.push_back(cell);
+    });
+    return raisable && !cavity.cells.empty();
+  }
+
+  index_t find_pair(index_t quad, double& quality) {
+    if (!gather_fan(quad, cavity_) || cavity_.cells.size() != 2 || !filler_.build(cavity_)) return no_index;
+    if (cavity_.faces.size() != 5) return no_index;
+    return filler_.best_apex(cavity_, quality);
+  }
+
+  /// A pyramid whose apex is a vertex of the fan; the rest of the fan is joined to it.
+  bool raise_to_vertex(index_t quad, double least_quality) {
+    if (!gather_fan(quad, cavity_) || !filler_.build(cavity_)) return false;
+    double quality = least_quality;
+    const std::size_t n_cells = cavity_.cells.size();
+    const index_t apex = filler_.best_apex(cavity_, quality);
+    if (apex == no_index || filler_.fill(cavity_, apex) == 0) return false;
+    ++(n_cells == 2 ? statistics_.n_merged : statistics_.n_raised);
+    return true;
+  }
+
+  /// A pyramid with a new apex in a cavity that grows from the fan as long as that helps.
+  bool raise_to_new_vertex(index_t quad, double least_quality) {
+    if (!gather_fan(quad, cavity_) || !filler_.build(cavity_)) return false;
+    Vector3 point;
+    double quality = place_over(quad, cavity_, point);
+    for (int growth = 0; growth < 8 && grow(quad, quality, point); ++growth) {
+    }
+    if (quality < least_quality) return false;
+    return fill_from_new_vertex(cavity_, point, statistics_.n_raised);
+  }
+
+  /// Adds the cell behind the face that limits the quality, if the best new vertex is then better.
+  bool grow(index_t quad, double& quality, Vector3& point) {
+    std::array<Vector3, 5> p;
+    index_t beyond = no_index;
+    double worst = std::numeric_limits<double>::infinity();
+    for (const auto& face : cavity_.faces) {
+      const StarCell cell = star_cell(face, no_index);
+      const auto n = static_cast<std::size_t>(n_corners(cell.kind));
+      for (std::size_t i = 0; i < n; ++i) p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
+      const double q = scaled_jacobian(cell.kind, {p.data(), n});
+      if (q >= worst) continue;
+      worst = q;
+      beyond = cell_beyond(face);
+    }
+    if (beyond == no_index) return false;
+    trial_ = cavity_;
+    trial_.cells.push_back(beyond);
+    if (!filler_.build(trial_)) return false;
+    Vector3 trial_point = point;
+    const double start = filler_.evaluate(trial_, point, no_index);
+    const double step = 0.2 * (complex_.points[complex_.open_quads[quad].vertices[0]] - point).norm();
+    const double trial_quality = filler_.improve_point(trial_, trial_point, step, start);
+    if (trial_quality <= quality) return false;
+    quality = trial_quality;
+    point = trial_point;
+    std::swap(cavity_, trial_);
+    return true;
+  }
+
+  /// The tetrahedron or pyramid on the other side of a face of the cavity.
+  index_t cell_beyond(const std::array<index_t, 4>& face) const {
+    const FaceKey key = face_key(face);
+    index_t found = no_index;
+    complex_.for_each_cell_at(key[0], [&](index_t cell) {
+      if (found != no_index || cavity_.contains(cell)) return;
+      const CellKind kind = complex_.cells[cell].kind;
+      if (kind != CellKind::tetrahedron && kind != CellKind::pyramid) return;
+      for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
+        if (face_key(complex_.face(cell, f)) == key) found = cell;
+    });
+    return found;
+  }
+
+  /// The best place for a new apex over a quadrilateral.
+  double place_over(index_t quad, const Cavity& cavity, Vector3& point) {
+    const auto& q = complex_.open_quads[quad].vertices;
+    const auto& p = complex_.points;
+    const Vector3 centre = 0.25 * (p[q[0]] + p[q[1]] + p[q[2]] + p[q[3]]);
+    const Vector3 area = 0.5 * (p[q[2]] - p[q[0]]).cross(p[q[3]] - p[q[1]]);
+    const double side = std::sqrt(area.norm());
+    const Vector3 up = area / std::max(area.norm(), 1e-300) * side;
+    double best = -2.0;
+    for (const double height : {0.6, 0.4, 0.25, 0.12, 0.05, 0.02}) {
+      const Vector3 trial = centre + height * up;
+      const double quality = filler_.evaluate(cavity, trial, no_index, best);
+      if (quality <= best) continue;
+      best = quality;
+      point = trial;
+    }
+    return filler_.improve_point(cavity, point, 0.1 * side, best);
+  }
+
+  bool fill_from_new_vertex(const Cavity& cavity, const Vector3& point, std::size_t& counter) {
+    const index_t vertex = complex_.add_vertex(point, false);
+    if (filler_.fill(cavity, vertex) == 0) {
+      complex_.remove_last_vertex();
+      return false;
+    }
+    ++counter;
+    ++statistics_.n_new_vertices;
+    return true;
+  }
+
+  /// Splits the cell behind from its centre, or takes it back into its tetrahedra.
+  void give_up(index_t quad, double least_quality) {
+    const index_t cell = complex_.open_quads[quad].cell;
+    if (split(cell, least_quality)) return;
+    if (dissolve(complex_, filler_, originals_, cell)) {
+      ++statistics_.n_dissolved;
+      return;
+    }
+    split(cell, 0.0);
+  }
+
+  bool split(index_t cell, double least_quality) {
+    cavity_.cells = {cell};
+    if (!filler_.build(cavity_)) return false;
+    Vector3 centre = Vector3::Zero();
+    const auto corners = complex_.corners(cell);
+    for (const index_t v : corners) centre += complex_.points[v] / static_cast<double>(corners.size());
+    const double size = (complex_.points[corners[0]] - centre).norm();
+    const double start = filler_.evaluate(cavity_, centre, no_index);
+    if (filler_.improve_point(cavity_, centre, 0.2 * size, start) <= least_quality) return false;
+    return fill_from_new_vertex(cavity_, centre, statistics_.n_split);
+  }
+
+  CellComplex& complex_;
+  CavityFiller filler_;
+  const Originals& originals_;
+  double floor_;
+  AssemblyStatistics& statistics_;
+  Cavity cavity_, trial_;
+};
+
+}  // namespace framehex::detail

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/assembly/detail/cavity.hpp"
+#include "framehex/mesh/adjacency.hpp"
+#include "framehex/recombination/candidates.hpp"
+
+namespace framehex::detail {
+
+/// What the chosen cells were made of, so that a choice can be taken back.
+struct Originals {
+  const TetAdjacency& adjacency;
+  const PotentialHexahedra& hexahedra;
+  const PotentialPrisms& prisms;
+
+  std::span<const index_t> tets_of(const CellComplex::Cell& cell) const {
+    return cell.kind == CellKind::hexahedron ? hexahedra.tets[cell.source] : prisms.tets[cell.source];
+  }
+
+  /// The tetrahedron whose corners are those of a quadrilateral, or `no_index`.
+  index_t face_sliver(const std::array<index_t, 4>& quad) const {
+    const FaceKey key = face_key(quad);
+    for (const index_t tet : adjacency.tets_of_vertex[key[0]])
+      if (face_key(adjacency.tets[tet]) == key) return tet;
+    return no_index;
+  }
+
+  /// Which diagonal of a quadrilateral the tetrahedra inside the cell use: of its vertices 0 and 2, or 1 and 3.
+  int inner_diagonal(std::span<const index_t> tets, const std::array<index_t, 4>& quad) const {
+    for (const index_t tet : tets) {
+      const auto& t = adjacency.tets[tet];
+      const auto has = [&](std::size_t i) { return std::find(t.begin(), t.end(), quad[i]) != t.end(); };
+      if (has(0) && has(2) && (has(1) || has(3))) return 0;
+      if (has(1) && has(3) && (has(0) || has(2))) return 1;
+    }
+    return 0;
+  }
+};
+
+/// Takes a hexahedron or prism back into its tetrahedra; its quadrilateral neighbours become open.
+/// @return false, with nothing changed, when a vertex has moved so that one of the tetrahedra is no longer valid.
+inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals& originals, index_t id) {
+  const CellComplex::Cell cell = complex.cells[id];
+  if (cell.source == no_index) return false;
+  const auto tets = originals.tets_of(cell);
+  const auto valid = [&](const std::array<index_t, 4>& t) {
+    return orientation(complex.points[t[0]], complex.points[t[1]], complex.points[t[2]], complex.points[t[3]]) > 0;
+  };
+
+  struct Side {
+    std::array<index_t, 4> quad;
+    index_t neighbour, sliver;
+    int diagonal;
+  };
+  std::array<Side, 6> sides;
+  std::size_t n_sides = 0;
+  for (std::size_t f = 0; f < complex.n_faces(id); ++f) {
+    const auto quad = complex.face(id, f);
+    if (quad[3] == no_index) continue;
+    Side& side = sides[n_sides++];
+    side = {quad, complex.across(id, quad), no_index, originals.inner_diagonal(tets, quad)};
+    const index_t open = complex.open_quad_at(quad);
+    // A sliver between the cell and tetrahedra or the boundary was absorbed, and has to come back.
+    if (side.neighbour == no_index && (open == no_index || complex.open_quads[open].diagonal != side.diagonal))
+      side.sliver = originals.face_sliver(quad);
+    if (side.sliver != no_index && !valid(originals.adjacency.tets[side.sliver])) return false;
+  }
+  for (const index_t tet : tets)
+    if (!valid(originals.adjacency.tets[tet])) return false;
+
+  for (std::size_t i = 0; i < n_sides; ++i) {
+    const index_t open = complex.open_quad_at(sides[i].quad);
+    if (open != no_index) complex.close_quad(open);
+  }
+  complex.remove(id);
+  for (const index_t tet : tets)
+    complex.add(CellKind::tetrahedron, originals.adjacency.tets[tet], cell.region, no_index);
+  for (std::size_t i = 0; i < n_sides; ++i) {
+    const Side& side = sides[i];
+    if (side.sliver != no_index)
+      complex.add(CellKind::tetrahedron, originals.adjacency.tets[side.sliver], cell.region, no_index);
+    if (side.neighbour == no_index) continue;
+    const auto quad = complex.face_like(side.neighbour, side.quad);
+    const auto end = static_cast<std::size_t>(side.diagonal);
+    const bool first = quad[0] == side.quad[end] || quad[2] == side.quad[end];
+    complex.add_open_quad({quad, side.neighbour, first ? 0 : 1, false, true});
+    if (complex.cells[side.neighbour].kind != CellKind::pyramid) continue;
+    Cavity cavity;
+    cavity.cells = {side.neighbour};
+    if (filler.build(cavity)) filler.fill(cavity, complex.cells[side.neighbour].corners[4]);
+  }
+  return true;
+}
+
+}  // namespace framehex::detail

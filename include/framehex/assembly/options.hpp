@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/observer.hpp"
+
+namespace framehex {
+
+/// What becomes of a quadrilateral of a hexahedron or prism that faces two triangles.
+enum class InterfaceMode {
+  conforming,   ///< closed by a pyramid, or by splitting the cell behind it: no quadrilateral faces two triangles
+  no_pyramids,  ///< the same without pyramids, for solvers that lack them; costs most of the hexahedra next to
+                ///< tetrahedra
+  open          ///< left as it is where two tetrahedra with one apex cannot be merged, and listed
+};
+
+/// Whether the cells that are not hexahedra may be joined to prisms.
+enum class PrismMode { none, chosen };
+
+/// Whether, after closing, cells of low quality are improved by moving vertices and reconnecting tetrahedra.
+enum class ImprovementMode { none, improve };
+
+/// How `assemble` works. The label fields refer to memory of the caller that must outlive the call.
+struct AssemblyOptions {
+  InterfaceMode interfaces = InterfaceMode::conforming;
+  PrismMode prisms = PrismMode::chosen;
+  ImprovementMode improvement = ImprovementMode::improve;
+  /// Least scaled Jacobian that a closed interface may leave, -1 to 1, before a hexahedron is given up for it.
+  double quality_floor = 0.05;
+  /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, -1 to 1.
+  double quality_target = 0.25;
+  /// Scaled Jacobian below which improvement works on a hexahedron, -1 to 1.
+  double hexahedron_target = 0.4;
+  /// Label of each tetrahedron, n_tets entries, or empty for one region.
+  std::span<const index_t> regions{};
+  /// Labelled triangles of the tetrahedral mesh, on its boundary or inside, in its vertex numbers. Inner ones stay
+  /// faces.
+  std::span<const LabelledFace> faces{};
+  /// Labelled edges of the tetrahedral mesh (feature curves); they stay edges.
+  std::span<const LabelledEdge> edges{};
+  Observer observer{};
+};
+
+/// A quadrilateral that faces two triangles.
+struct OpenInterface {
+  std::array<index_t, 4> quadrilateral;   ///< vertices of the result, anticlockwise seen from outside its cell
+  index_t cell;                           ///< cell of the result whose face it is
+  std::array<index_t, 2> triangle_cells;  ///< cells of the result that have the two triangles, `no_index`: boundary
+};
+
+/// What `assemble` did.
+struct AssemblyStatistics {
+  std::size_t n_open_quadrilaterals = 0;  ///< before closing
+  std::size_t n_merged = 0;               ///< closed by two tetrahedra with one apex
+  std::size_t n_raised = 0;               ///< closed by a pyramid to another vertex or to a new one
+  std::size_t n_split = 0;                ///< hexahedra and prisms split from a new vertex at their centre
+  std::size_t n_dissolved = 0;            ///< hexahedra and prisms taken back into their tetrahedra
+  std::size_t n_new_vertices = 0;
+  std::size_t n_removed_vertices = 0;
+  double hexahedron_volume_chosen = 0;  ///< of the selection
+  double hexahedron_volume = 0;         ///< of the result
+  double volume = 0;
+};
+
+}  // namespace framehex

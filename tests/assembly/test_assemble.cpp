@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSL-1.0
+#include <catch2/catch.hpp>
+
+#include "framehex/assembly/assemble.hpp"
+#include "framehex/verify/validity.hpp"
+#include "support/cube_candidates.hpp"
+
+#include <boost/random/uniform_real_distribution.hpp>
+
+#include <random>
+#include <set>
+
+using namespace framehex;
+
+namespace {
+
+struct Lattice {
+  IndexedTetMesh mesh;
+  TetAdjacency adjacency;
+  PotentialHexahedra cubes;
+};
+
+Lattice jittered_lattice(index_t n, double jitter, std::uint64_t seed) {
+  Lattice lattice{test::kuhn_lattice(n), {}, test::cube_candidates(n)};
+  std::mt19937_64 engine(seed);
+  boost::random::uniform_real_distribution<double> shift(-1, 1);
+  for (Vector3& p : lattice.mesh.points)
+    for (int i = 0; i < 3; ++i)
+      if (p[i] > 0 && p[i] < n) p[i] += jitter * shift(engine);
+  lattice.adjacency = make_adjacency(lattice.mesh);
+  return lattice;
+}
+
+std::vector<index_t> random_subset(std::size_t n, double share, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  boost::random::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<index_t> subset;
+  for (index_t i = 0; i < n; ++i)
+    if (uniform(engine) < share) subset.push_back(i);
+  return subset;
+}
+
+std::array<std::size_t, 4> count_kinds(const MixedMesh& mesh) {
+  std::array<std::size_t, 4> count{};
+  for (const CellKind kind : mesh.kinds) ++count[static_cast<std::size_t>(kind)];
+  return count;
+}
+
+void check_mesh(const MixedMesh& mesh, double volume) {
+  CHECK(verify::is_conforming(mesh));
+  CHECK(verify::is_valid(mesh));
+  const auto volumes = verify::volume(mesh);
+  CHECK(volumes.relative_difference() < 1e-9);
+  CHECK(volumes.cells == Approx(volume).epsilon(1e-9));
+}
+
+}  // namespace
+
+TEST_CASE("an empty selection leaves the tetrahedra", "[assembly]") {
+  const Lattice lattice = jittered_lattice(2, 0.1, 1);
+  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, {});
+  CHECK(count_kinds(result.mesh) == std::array<std::size_t, 4>{48, 0, 0, 0});
+  CHECK(result.mesh.faces.size() == 48);
+  check_mesh(result.mesh, 8);
+}
+
+TEST_CASE("all cubes of a lattice give hexahedra only", "[assembly]") {
+  const Lattice lattice = jittered_lattice(3, 0.1, 2);
+  const auto all = random_subset(27, 2, 0);
+  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, all);
+  CHECK(count_kinds(result.mesh) == std::array<std::size_t, 4>{0, 0, 0, 27});
+  CHECK(result.statistics.n_open_quadrilaterals == 0);
+  CHECK(result.mesh.faces.size() == 54);
+  CHECK(result.candidate_of == all);
+  check_mesh(result.mesh, 27);
+}
+
+TEST_CASE("random cubes of a lattice are closed", "[assembly]") {
+  for (const double jitter : {0.0, 0.15, 0.25})
+    for (const double share : {0.1, 0.5, 0.9}) {
+      const Lattice lattice = jittered_lattice(5, jitter, 3);
+      const auto selected = random_subset(125, share, 4);
+      CAPTURE(jitter, share);
+      const Assembly open =
+          assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.interfaces = InterfaceMode::open});
+      const Assembly closed = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected);
+      CHECK(open.statistics.n_open_quadrilaterals == closed.statistics.n_open_quadrilaterals);
+      CHECK(open.open.size() + open.statistics.n_merged == open.statistics.n_open_quadrilaterals);
+      const auto report = verify::is_conforming(open.mesh);
+      CHECK(report.open_quadrilaterals.size() == open.open.size());
+      CHECK(report.open_triangles.size() == 2 * open.open.size());
+      CHECK(report.closed());
+      CHECK(verify::is_valid(open.mesh));
+      CHECK(closed.open.empty());
+      check_mesh(closed.mesh, 125);
+      CHECK(count_kinds(closed.mesh)[3] == selected.size());
+    }
+}
+
+TEST_CASE("a selection that does not fit is refused with its candidates", "[assembly]") {
+  Lattice lattice = jittered_lattice(3, 0.1, 5);
+  const auto refused = [&](std::vector<index_t> selected) {
+    try {
+      assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected);
+    } catch (const incompatible_selection& e) {
+      CHECK(e.entity() == Entity::candidate);
+      return e.indices();
+    }
+    return std::vector<std::size_t>{};
+  };
+  using Ids = std::vector<std::size_t>;
+  CHECK(refused({0, 1, 0}) == Ids{0, 0});
+  CHECK(refused({27}) == Ids{27});
+  SECTION("a vertex twice") {
+    lattice.cubes.vertices[4][1] = lattice.cubes.vertices[4][0];
+    CHECK(refused({0, 4}) == Ids{4});
+  }
+  SECTION("a vertex that does not exist") {
+    lattice.cubes.vertices[4][1] = 10000;
+    CHECK(refused({4}) == Ids{4});
+  }
+  SECTION("tetrahedra of another cube") {
+    lattice.cubes.tets[4][0] = 0;
+    CHECK(refused({4}) == Ids{4});
+  }
+  SECTION("inside out") {
+    auto& v = lattice.cubes.vertices[4];
+    std::swap_ranges(v.begin(), v.begin() + 4, v.begin() + 4);
+    CHECK(refused({4}) == Ids{4});
+  }
+}
+
+TEST_CASE("labels are carried to quadrilaterals and tetrahedra", "[assembly]") {
+  const Lattice lattice = jittered_lattice(4, 0.1, 6);
+  std::vector<LabelledFace> faces;
+  for (std::size_t tet = 0; tet < lattice.adjacency.tets.size(); ++tet)
+    for (int f = 0; f < 4; ++f)
+      if (lattice.adjacency.neighbours[tet][static_cast<std::size_t>(f)] == no_index) {
+        const auto t = facet(lattice.adjacency.tets[tet], f);
+        const auto& p = lattice.mesh.points;
+        const Vector3 n = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
+        int axis = 0;
+        n.cwiseAbs().maxCoeff(&axis);
+        faces.push_back({{t[0], t[1], t[2], no_index}, static_cast<index_t>(10 + 2 * axis + (n[axis] > 0 ? 1 : 0))});
+      }
+  const auto selected = random_subset(64, 0.6, 7);
+  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.faces = faces});
+  std::array<double, 6> area{};
+  for (const LabelledFace& face : result.mesh.faces) {
+    REQUIRE(face.label >= 10);
+    REQUIRE(face.label < 16);
+    const auto p = [&](std::size_t i) -> const Vector3& { return result.mesh.points[face.vertices[i]]; };
+    const Vector3 n = face.size() == 4 ? Vector3((p(2) - p(0)).cross(p(3) - p(1)) / 2)
+                                       : Vector3((p(1) - p(0)).cross(p(2) - p(0)) / 2);
+    const int axis = static_cast<int>(face.label - 10) / 2;
+    area[face.label - 10] += n[axis];
+  }
+  for (std::size_t side = 0; side < 6; ++side) CHECK(area[side] == Approx(side % 2 == 1 ? 16 : -16));
+}
+
+TEST_CASE("regions stay apart", "[assembly]") {
+  const Lattice lattice = jittered_lattice(4, 0.1, 8);
+  // Cube (1, 1, 1) is a region of one cell; the upper half is another.
+  std::vector<index_t> regions(lattice.mesh.tets.size());
+  for (index_t cube = 0; cube < 64; ++cube)
+    for (index_t t = 6 * cube; t < 6 * cube + 6; ++t) regions[t] = cube == 21 ? 7 : cube >= 32 ? 3 : 1;
+  std::array<double, 8> volume{}, expected{};
+  for (std::size_t tet = 0; tet < lattice.mesh.tets.size(); ++tet) {
+    std::array<Vector3, 4> p;
+    for (std::size_t i = 0; i < 4; ++i) p[i] = lattice.mesh.points[lattice.mesh.tets[tet][i]];
+    expected[regions[tet]] += cell_volume(CellKind::tetrahedron, p);
+  }
+  const auto selected = random_subset(64, 0.5, 9);
+  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.regions = regions});
+  check_mesh(result.mesh, 64);
+  REQUIRE(result.mesh.regions.size() == result.mesh.n_cells());
+  for (index_t cell = 0; cell < result.mesh.n_cells(); ++cell) {
+    std::array<Vector3, 8> p;
+    const auto corners = result.mesh.cells[cell];
+    for (std::size_t i = 0; i < corners.size(); ++i) p[i] = result.mesh.points[corners[i]];
+    volume[result.mesh.regions[cell]] += cell_volume(result.mesh.kinds[cell], {p.data(), corners.size()});
+  }
+  // Quadrilaterals are bilinear patches now, so that jitter moves a little volume from region to region.
+  for (const std::size_t region : {1u, 3u, 7u}) CHECK(volume[region] == Approx(expected[region]).epsilon(0.05));
+}
