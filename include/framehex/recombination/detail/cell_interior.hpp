@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/recombination/detail/finder_input.hpp"
+
+#include <bit>
+
+namespace framehex::detail {
+
+/// The triangles that the faces of a kind of cell can be cut into, found by the set of their three corners.
+///
+/// Triangle 4 f + t belongs to face f: t = 0 and 1 share the diagonal of its corners 0 and 2, t = 2 and 3 the other; a
+/// triangular face has t = 0 only.
+template <CellKind Kind>
+struct FaceTriangles {
+  static constexpr std::size_t n_faces = faces_of(Kind).size();
+  std::array<std::int8_t, 256> of_corners{};                      ///< set of corners -> triangle, or -1
+  std::array<std::array<std::int8_t, 3>, 4 * n_faces> corners{};  ///< anticlockwise seen from outside
+  std::array<std::uint8_t, n_faces> face_corners{};               ///< set of corners of the whole face
+
+  constexpr FaceTriangles() {
+    of_corners.fill(-1);
+    constexpr std::array<std::array<std::size_t, 3>, 4> cuts{{{0, 1, 2}, {0, 2, 3}, {1, 2, 3}, {1, 3, 0}}};
+    for (std::size_t f = 0; f < n_faces; ++f) {
+      const LocalFace face = faces_of(Kind)[f];
+      for (int i = 0; i < face.size(); ++i)
+        face_corners[f] = static_cast<std::uint8_t>(face_corners[f] | 1u << face.corners[static_cast<std::size_t>(i)]);
+      for (std::size_t t = 0; t < (face.size() == 3 ? 1u : 4u); ++t) {
+        unsigned set = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+          corners[4 * f + t][i] = face.corners[cuts[t][i]];
+          set |= 1u << corners[4 * f + t][i];
+        }
+        of_corners[set] = static_cast<std::int8_t>(4 * f + t);
+      }
+    }
+  }
+};
+
+/// Finds the tetrahedra inside a cell given by its vertices, and applies the rules that depend on them. Scratch memory
+/// for one thread.
+///
+/// The flood starts at a corner and never crosses a triangle of the cell's own faces. What it covers is the cell
+/// exactly when it leaves through one pair of triangles with a common diagonal a quadrilateral, and one triangle a
+/// triangular face: the cell's boundary is then the boundary of the tetrahedra.
+template <int Corners>
+class CellInterior {
+public:
+  static constexpr CellKind kind = kind_with<Corners>;
+  using Vertices = std::array<index_t, static_cast<std::size_t>(Corners)>;
+
+  explicit CellInterior(const FinderInput& input)
+      : input_(&input), corner_set_(input.adjacency().n_vertices(), std::uint8_t{0}) {}
+
+  /// @return whether the cell is full of tetrahedra and keeps the rules; `tets` and `slivers` then hold them.
+  bool fill(const Vertices& vertices) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) corner_set_[vertices[i]] = static_cast<std::uint8_t>(1u << i);
+    const bool filled = flood(vertices) && check_faces() && keeps_features(vertices);
+    for (const index_t v : vertices) corner_set_[v] = 0;
+    if (filled) {
+      std::sort(tets.begin(), tets.end());
+      std::sort(slivers.begin(), slivers.end());
+    }
+    return filled;
+  }
+
+  std::vector<index_t> tets, slivers;  ///< ascending
+
+private:
+  static constexpr FaceTriangles<kind> triangles{};
+  static constexpr std::size_t n_faces = triangles.n_faces;
+
+  struct Exit {
+    index_t tet;
+    std::int8_t facet, triangle;
+  };
+  struct Tet {
+    std::array<unsigned, 4> corner{};  ///< set of one corner of the cell, or none
+    unsigned all = 0;
+  };
+
+  Tet look_at(index_t tet) const {
+    Tet t;
+    for (std::size_t i = 0; i < 4; ++i) t.all |= t.corner[i] = corner_set_[input_->adjacency().tets[tet][i]];
+    return t;
+  }
+
+  bool is_sliver(const Tet& t) const {
+    return std::ranges::find(triangles.face_corners, t.all) != triangles.face_corners.end() &&
+           std::popcount(t.all) == 4;
+  }
+
+  /// A tetrahedron inside, at the vertex with the fewest: it has a triangle of the cell's faces, seen from inside.
+  index_t find_start(const Vertices& vertices) const {
+    const TetAdjacency& a = input_->adjacency();
+    const index_t v = *std::ranges::min_element(vertices, {}, [&](index_t w) { return a.tets_of_vertex[w].size(); });
+    for (const index_t tet : a.tets_of_vertex[v]) {
+      const Tet t = look_at(tet);
+      if (std::popcount(t.all) < 3 || is_sliver(t)) continue;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const int triangle = triangles.of_corners[t.all & ~t.corner[i]];
+        if (triangle < 0) continue;
+        const auto& outward = triangles.corners[static_cast<std::size_t>(triangle)];
+        const auto seen = facet(a.tets[tet], static_cast<int>(i));
+        const auto at = static_cast<std::size_t>(
+            std::ranges::find(seen, vertices[static_cast<std::size_t>(outward[0])]) - seen.begin());
+        if (seen[(at + 1) % 3] == vertices[static_cast<std::size_t>(outward[1])]) return tet;
+      }
+    }
+    return no_index;
+  }
+
+  bool flood(const Vertices& vertices) {
+    tets.clear();
+    foreign_.clear();
+    n_exits_.fill(0);
+    const index_t start = find_start(vertices);
+    if (start == no_index || !enter(start)) return false;
+    const TetAdjacency& a = input_->adjacency();
+    for (std::size_t n = 0; n < tets.size(); ++n) {
+      const index_t tet = tets[n];
+      const Tet t = look_at(tet);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const int triangle = triangles.of_corners[t.all & ~t.corner[i]];
+        if (triangle >= 0) {
+          const auto face = static_cast<std::size_t>(triangle) / 4;
+          if (n_exits_[face] == 2) return false;
+          exits_[face][n_exits_[face]++] = {tet, static_cast<std::int8_t>(i), static_cast<std::int8_t>(triangle)};
+          continue;
+        }
+        const index_t next = a.neighbours[tet][i];
+        if (next == no_index) return false;
+        if (std::ranges::find(tets, next) == tets.end() && !enter(next)) return false;
+      }
+    }
+    return true;
+  }
+
+  bool enter(index_t tet) {
+    const FinderOptions& options = input_->options();
+    if (!options.free_tets.empty() && options.free_tets[tet] == 0) return false;
+    if (!options.regions.empty() && !tets.empty() && options.regions[tet] != options.regions[tets[0]]) return false;
+    for (const index_t v : input_->adjacency().tets[tet])
+      if (corner_set_[v] == 0 && std::ranges::find(foreign_, v) == foreign_.end()) {
+        if (foreign_.size() == options.max_interior_vertices || input_->features().touches(v)) return false;
+        foreign_.push_back(v);
+      }
+    tets.push_back(tet);
+    return true;
+  }
+
+  bool check_faces() {
+    slivers.clear();
+    for (std::size_t f = 0; f < n_faces; ++f) {
+      const auto& exits = exits_[f];
+      if (faces_of(kind)[f].size() == 3) {
+        if (n_exits_[f] != 1) return false;
+        continue;
+      }
+      if (n_exits_[f] != 2 || exits[0].triangle / 2 != exits[1].triangle / 2 ||
+          exits[0].triangle == exits[1].triangle || !check_quadrilateral(exits))
+        return false;
+    }
+    return true;
+  }
+
+  bool check_quadrilateral(const std::array<Exit, 2>& exits) {
+    const auto behind = [this](const Exit& e) {
+      return input_->adjacency().neighbours[e.tet][static_cast<std::size_t>(e.facet)];
+    };
+    const index_t sliver = behind(exits[0]);
+    if (sliver == no_index || sliver != behind(exits[1]))
+      return keeps_boundary_rule(exits[0].tet, static_cast<std::size_t>(exits[0].facet), exits[1].tet,
+                                 static_cast<std::size_t>(exits[1].facet));
+    const FinderOptions& options = input_->options();
+    if (!options.regions.empty() && options.regions[sliver] != options.regions[tets[0]]) return false;
+    slivers.push_back(sliver);
+    // Behind a face sliver the outer triangles are its two facets that do not face the cell.
+    std::array<std::size_t, 2> outer{};
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const index_t next = input_->adjacency().neighbours[sliver][i];
+      if ((next != exits[0].tet && next != exits[1].tet) || !shares_exit(sliver, i, exits)) {
+        if (n == 2) return false;
+        outer[n++] = i;
+      }
+    }
+    return n == 2 && keeps_boundary_rule(sliver, outer[0], sliver, outer[1]);
+  }
+
+  bool shares_exit(index_t sliver, std::size_t i, const std::array<Exit, 2>& exits) const {
+    const auto key = sorted(facet(input_->adjacency().tets[sliver], static_cast<int>(i)));
+    return std::ranges::any_of(
+        exits, [&](const Exit& e) { return sorted(facet(input_->adjacency().tets[e.tet], e.facet)) == key; });
+  }
+
+  bool keeps_boundary_rule(index_t tet0, std::size_t facet0, index_t tet1, std::size_t facet1) const {
+    const FinderOptions& options = input_->options();
+    if (options.boundary_rule == BoundaryRule::ignore) return true;
+    const bool outside = input_->is_boundary(tet0, facet0);
+    if (outside != input_->is_boundary(tet1, facet1)) return false;
+    return !outside || options.facet_patches.empty() ||
+           options.facet_patches[tet0][facet0] == options.facet_patches[tet1][facet1];
+  }
+
+  bool keeps_features(const Vertices& vertices) const {
+    const FeatureEdges& features = input_->features();
+    if (features.empty()) return true;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (!features.touches(vertices[i])) continue;
+      for (std::size_t j = 0; j < i; ++j)
+        if (features.contains(vertices[i], vertices[j]) && !is_edge(i, j)) return false;
+    }
+    return true;
+  }
+
+  static bool is_edge(std::size_t i, std::size_t j) {
+    return std::ranges::any_of(edges_of(kind), [&](const auto& e) {
+      const auto p = static_cast<std::size_t>(e[0]), q = static_cast<std::size_t>(e[1]);
+      return (p == i && q == j) || (p == j && q == i);
+    });
+  }
+
+  const FinderInput* input_;
+  std::vector<std::uint8_t> corner_set_;  ///< vertex -> set of its corner while a cell is looked at, else none
+  std::vector<index_t> foreign_;
+  std::array<std::array<Exit, 2>, n_faces> exits_{};
+  std::array<std::uint8_t, n_faces> n_exits_{};
+};
+
+}  // namespace framehex::detail

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/recombination/detail/find_cells.hpp"
+#include "framehex/recombination/detail/hex_search.hpp"
+
+namespace framehex {
+
+/// Every potential hexahedron of a tetrahedral mesh.
+///
+/// A hexahedron is potential when the union of some tetrahedra is exactly a hexahedron with vertices of the mesh, whose
+/// trilinear map is invertible and whose corners keep the quality floor, and when it keeps the rules of `options`. The
+/// search goes by vertices and not by patterns, so that all of the 174 ways to cut a hexahedron are found.
+///
+/// @param mesh      tetrahedra, n of them; not modified.
+/// @param options   see FinderOptions.
+/// @param executor  runs the blocks of first vertices.
+/// @pre `validate(mesh)` passes; it is called unless `.input_check` says otherwise.
+/// @return each hexahedron once, ordered by its smallest vertex.
+/// @throws invalid_option, and what `validate` throws.
+/// @par Complexity   O(n) for bounded valence.
+/// @par Determinism  The result does not depend on the executor.
+/// @par Source       Pellerin, Johnen, Verhetsel, Remacle, Identifying combinations of tetrahedra into hexahedra, 2017
+///                   (arXiv:1705.02451). Departs: links of vertices as bit sets in place of facet look-ups; exact
+///                   validity.
+template <TetMesh Mesh, Executor E = SerialExecutor>
+PotentialHexahedra find_potential_hexahedra(const Mesh& mesh, const HexFinderOptions& options = {},
+                                            const E& executor = {}) {
+  const detail::FinderInput input(mesh, options);
+  return detail::find_cells<8, detail::HexSearch>(input, executor);
+}
+
+}  // namespace framehex
