@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/surface/detail/edge_connection.hpp"
+#include "framehex/surface/feature_graph.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <random>
+#include <utility>
+
+namespace framehex::detail {
+
+/// Principal directions as crosses, one number an edge, of about unit size where bending is decided and 0 where not.
+///
+/// The curvature of the edges of two triangles, each bending about itself, adds up to a quadratic form; its deviatoric
+/// part is a number with the double angle, whose square is the cross.
+inline std::vector<Complex> curvature_crosses(const std::vector<Vector3>& points, const TriangleAdjacency& adjacency,
+                                              const EdgeConnection& connection, const std::vector<Vector3>& normals) {
+  const std::size_t n = connection.n_edges();
+  std::vector<double> bend(n, 0);
+  for (std::size_t e = 0; e < n; ++e) {
+    const index_t h = connection.half_edge_of[e], g = adjacency.opposite[h];
+    if (g == no_index) continue;
+    const Vector3 edge = points[adjacency.to(h)] - points[adjacency.from(h)];
+    bend[e] =
+        std::atan2(normals[h / 3].cross(normals[g / 3]).dot(edge.normalized()), normals[h / 3].dot(normals[g / 3])) *
+        edge.norm();
+    if (!std::isfinite(bend[e])) bend[e] = 0;
+  }
+  std::vector<Complex> result(n);
+  for (std::size_t e = 0; e < n; ++e) {
+    const index_t h = connection.half_edge_of[e], g = adjacency.opposite[h];
+    Complex sum = bend[e];
+    double total = std::abs(bend[e]);
+    for (const index_t side : {h, g}) {
+      if (side == no_index) continue;
+      for (index_t o = 3 * (side / 3); o < 3 * (side / 3) + 3; ++o) {
+        if (o == side) continue;
+        const double b = bend[connection.edge_of[o]];
+        sum += b * std::polar(1.0, 2 * (connection.direction[o] - connection.direction[side]));
+        total += std::abs(b);
+      }
+    }
+    result[e] = total > 0 ? sum * sum / (total * total) : Complex(0);
+  }
+  return result;
+}
+
+/// Finds the smoothest numbers on edges; see compute_cross_field.
+class CrossSolver {
+public:
+  struct ClosedOptions {
+    double curvature;
+    int max_iterations;
+    double tolerance;
+    int diffusion_steps;
+  };
+
+  CrossSolver(const TriangleAdjacency& adjacency, const FeatureGraph& features, const EdgeConnection& connection)
+      : adjacency_(adjacency), features_(features), connection_(connection), cross_(connection.n_edges(), Complex(1)) {
+    constrained_patch_.assign(features.n_patches, 0);
+    for (index_t h = 0; h < adjacency.opposite.size(); ++h)
+      if (fixed(connection.edge_of[h])) constrained_patch_[features.triangle_patch[h / 3]] = 1;
+  }
+
+  /// Laplace's equation with the features' directions as boundary values.
+  void solve_patches_with_features() {
+    const Unknowns unknowns = number([&](index_t patch) { return constrained_patch_[patch] != 0; });
+    if (unknowns.edges.empty()) return;
+    Vector right = Vector::Zero(static_cast<Eigen::Index>(unknowns.edges.size()));
+    const Matrix stiffness = assemble(unknowns, 0, &right);
+    const Vector x = Eigen::SimplicialLDLT<Matrix>(stiffness).solve(right);
+    store(unknowns, x);
+  }
+
+  /// The least eigenvector, or a compromise with given crosses.
+  void solve_closed_patches(const std::vector<Complex>& guide, const ClosedOptions& options) {
+    for (index_t patch = 0; patch < constrained_patch_.size(); ++patch)
+      if (!constrained_patch_[patch]) solve_closed(patch, guide, options);
+  }
+
+  /// Angle of the cross in each triangle: that of the mean of its three numbers, which is the value at the centroid.
+  std::vector<double> triangle_crosses() const {
+    std::vector<double> angles(adjacency_.triangles.size(), 0);
+    for (index_t t = 0; t < angles.size(); ++t) {
+      Complex sum = 0;
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h) sum += cross_[connection_.edge_of[h]] * connection_.turn(h);
+      if (std::abs(sum) > 0 && std::isfinite(std::abs(sum))) angles[t] = std::arg(sum) / 4;
+    }
+    return angles;
+  }
+
+private:
+  using Vector = Eigen::VectorXcd;
+  using Matrix = Eigen::SparseMatrix<Complex>;
+
+  struct Unknowns {
+    std::vector<index_t> edges;      ///< unknown -> edge
+    std::vector<index_t> unknown;    ///< edge -> unknown, or `no_index`
+    std::vector<index_t> triangles;  ///< that take part
+  };
+
+  bool fixed(index_t edge) const {
+    const index_t h = connection_.half_edge_of[edge];
+    return features_.is_feature[h] || adjacency_.opposite[h] == no_index;
+  }
+
+  template <class Wanted>
+  Unknowns number(Wanted&& wanted) const {
+    Unknowns u;
+    u.unknown.assign(connection_.n_edges(), no_index);
+    for (index_t t = 0; t < adjacency_.triangles.size(); ++t) {
+      if (!wanted(features_.triangle_patch[t])) continue;
+      u.triangles.push_back(t);
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const index_t e = connection_.edge_of[h];
+        if (u.unknown[e] != no_index || fixed(e)) continue;
+        u.unknown[e] = static_cast<index_t>(u.edges.size());
+        u.edges.push_back(e);
+      }
+    }
+    return u;
+  }
+
+  /// Stiffness plus `shift` times mass; the known values go to `right`.
+  Matrix assemble(const Unknowns& u, double shift, Vector* right) const {
+    std::vector<Eigen::Triplet<Complex>> entries;
+    entries.reserve(9 * u.triangles.size());
+    const auto add = [&](index_t e, index_t f, const Complex& value) {
+      const index_t i = u.unknown[e], j = u.unknown[f];
+      if (i == no_index) return;
+      if (j != no_index)
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+      else if (right)
+        (*right)[static_cast<Eigen::Index>(i)] -= value * cross_[f];
+    };
+    for (const index_t t : u.triangles)
+      for (index_t i = 0; i < 3; ++i) {
+        // Corner i lies between half edges i-1 and i: with its cotangent c, c |U_i - U_{i-1}|^2 is its share of the
+        // energy.
+        const index_t h = 3 * t + i, g = TriangleAdjacency::previous(h);
+        const index_t e = connection_.edge_of[h], f = connection_.edge_of[g];
+        const double weight = 2 * connection_.cotangent[t][i];
+        const Complex turn = std::conj(connection_.turn(h)) * connection_.turn(g);
+        add(e, e, weight + shift * connection_.area[t] / 3);
+        add(f, f, weight);
+        add(e, f, -weight * turn);
+        add(f, e, -weight * std::conj(turn));
+      }
+    const auto n = static_cast<Eigen::Index>(u.edges.size());
+    Matrix matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+  }
+
+  Eigen::VectorXd mass(const Unknowns& u) const {
+    Eigen::VectorXd m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(u.edges.size()));
+    for (const index_t t : u.triangles)
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h)
+        m[static_cast<Eigen::Index>(u.unknown[connection_.edge_of[h]])] += connection_.area[t] / 3;
+    return m;
+  }
+
+  void solve_closed(index_t patch, const std::vector<Complex>& guide, const ClosedOptions& options) {
+    const Unknowns u = number([&](index_t p) { return p == patch; });
+    const auto n = static_cast<Eigen::Index>(u.edges.size());
+    if (n == 0) return;
+    const Eigen::VectorXd m = mass(u);
+    const double shift =
+        1e-3 / m.sum();  // below the least eigenvalue of any surface with curvature, so convergence is quick
+    const Eigen::SimplicialLDLT<Matrix> factor(assemble(u, shift, nullptr));
+
+    Vector x(n), pull(n);
+    std::mt19937_64 engine(1);
+    const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; };
+    for (Eigen::Index i = 0; i < n; ++i) {
+      pull[i] = guide[u.edges[static_cast<std::size_t>(i)]];
+      const double real = uniform(), imaginary = uniform();
+      x[i] = pull[i] + 0.1 * Complex(real, imaginary);
+    }
+    const auto scale = [&](Vector& y) {
+      const double size = std::sqrt((m.array() * y.array().abs2()).sum());
+      if (size > 0) y *= std::sqrt(m.sum()) / size;
+      return size / std::sqrt(m.sum());
+    };
+    scale(x);
+    double eigenvalue = 0;
+    for (int i = 0; i < options.max_iterations; ++i) {
+      x = factor.solve(Vector(m.array() * x.array()));
+      const double last = std::exchange(eigenvalue, 1 / scale(x));
+      if (std::abs(eigenvalue - last) <= options.tolerance * eigenvalue) break;
+    }
+    if (options.curvature > 0) {
+      pull = factor.solve(Vector(m.array() * pull.array()));
+      scale(pull);
+      // The eigenvector is free up to a complex factor: turn it to agree with the curvature.
+      const Complex agreement = (x.conjugate().array() * m.array() * pull.array()).sum();
+      if (std::abs(agreement) > 0) x *= agreement / std::abs(agreement);
+      x += options.curvature * pull;
+    }
+    diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, x);
+    store(u, x);
+  }
+
+  /// Spreads and brings back to unit size, over shorter and shorter times: where the eigenvector is small its direction
+  /// is poor, and pairs of opposite singularities stand there that unit crosses do not want.
+  void diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Vector& x) const {
+    const auto normalize = [&] {
+      for (Complex& value : x)
+        if (std::abs(value) > 0) value /= std::abs(value);
+    };
+    for (int round = 0; round < steps; ++round) {
+      time /= 4;
+      const Eigen::SimplicialLDLT<Matrix> factor(assemble(u, 1 / time, nullptr));
+      for (int i = 0; i < 4; ++i) {
+        normalize();
+        x = factor.solve(Vector(m.array() * x.array()));
+      }
+      normalize();
+    }
+  }
+
+  void store(const Unknowns& u, const Vector& x) {
+    for (std::size_t i = 0; i < u.edges.size(); ++i) cross_[u.edges[i]] = x[static_cast<Eigen::Index>(i)];
+  }
+
+  const TriangleAdjacency& adjacency_;
+  const FeatureGraph& features_;
+  const EdgeConnection& connection_;
+  std::vector<Complex> cross_;  ///< edge
+  std::vector<char> constrained_patch_;
+};
+
+}  // namespace framehex::detail
