@@ -61,6 +61,21 @@ inline Quaternion snapped(const Quaternion& frame, const Vector3& direction) {
   return (CubeRotationGroup<>::exponential(rotation_onto(frame, direction)) * frame).normalized();
 }
 
+/// The form of a frame whose z axis is `direction`, which is one of its axes up to sign.
+inline Quaternion with_z(const Quaternion& frame, const Vector3& direction) {
+  Quaternion best = frame;
+  double cosine = -2;
+  for (int g = 0; g < CubeRotationGroup<>::size(); ++g) {
+    const Quaternion form = frame * CubeRotationGroup<>::element(g);
+    const double c = (form * Vector3::UnitZ()).dot(direction);
+    if (c > cosine + 1e-9) {
+      best = form;
+      cosine = c;
+    }
+  }
+  return best;
+}
+
 struct FrameFit {
   Quaternion frame = Quaternion::Identity();
   double cost = 0;  ///< weighted sum of the squared angles

@@ -3,6 +3,9 @@
 
 #include "framehex/field/frame_field.hpp"
 #include "framehex/mesh/boundary.hpp"
+#include "framehex/mesh/validation.hpp"
+#include "framehex/surface/cross_field.hpp"
+#include "framehex/surface/feature_detection.hpp"
 
 namespace framehex {
 
@@ -13,20 +16,42 @@ enum class FieldMethod {
   best,      ///< harmonic start, diffusion and projection, polish
 };
 
+/// What becomes of the cross field of smooth surfaces under `best`.
+enum class SurfaceCross {
+  free,  ///< frames keep the normal and turn about it as the volume likes; see `surface_crosses`
+  kept,  ///< frames on the surface are those of its cross field
+};
+
 struct FieldOptions {
   FieldMethod method = FieldMethod::best;
   /// Surface vertex -> vertex of the tetrahedral mesh; empty: the surface's vertices are the mesh's first, in order.
   std::vector<index_t> vertex_of = {};
   BoundaryFrameOptions boundary = {};
-  SmoothingOptions smoothing = {};
-  Observer observer = {};
+  SmoothingOptions smoothing = {};  ///< for `smoothed`
+  DiffusionOptions diffusion = {};  ///< for `best`
+  SmoothingOptions polish = {       ///< for `best`; edge weights are the Dirichlet energy's unless given
+      .diffusivity = Diffusivity::constant,
+      .max_sweeps = 10};
+  SurfaceCross surface_cross = SurfaceCross::free;  ///< for `best`
+  Observer observer = {};                           ///< for all stages that have none of their own
 };
 
 /// How a field was made.
 struct FieldReport {
-  SmoothingReport smoothing;
+  DiffusionReport diffusion;  ///< of `best`
+  SmoothingReport smoothing;  ///< of `smoothed`, and the polish of `best`
   Status status = Status::complete;
 };
+
+namespace detail {
+
+template <class Options>
+Options observed_by(Options options, const Observer& observer) {
+  if (!options.observer) options.observer = observer;
+  return options;
+}
+
+}  // namespace detail
 
 /// The field of a background mesh from the crosses of its surface.
 ///
@@ -35,11 +60,14 @@ struct FieldReport {
 ///                         are free.
 /// @param surface, features  outward triangles and their features.
 /// @param triangle_frames  n_triangles unit quaternions, z the outward normal (`SurfaceCrossField::frames`).
+/// @param executor         results do not depend on it.
 /// @param report           receives the course of the computation; may be null.
-/// @return a field without NaN, all quaternions unit.
+/// @return a field without NaN, all quaternions unit; also when cancelled (`report->status`).
+/// @pre `validate(mesh)` passes.
 /// @throws nonmanifold, invalid_field, invalid_option  as `make_adjacency`, `make_boundary_frames`,
-/// `FrameField::constrain`,
-///                         `smooth_frames`; entities are numbered in the surface.
+///                         `FrameField::constrain`, `smooth_frames`, `diffuse_frames`; entities are numbered in the
+///                         surface.
+/// @par Complexity   see `start_nearest`, `smooth_frames`, `diffuse_frames`.
 template <TetMesh Mesh, class E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const IndexedTriangleMesh& surface, const FeatureGraph& features,
                                      std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},
@@ -48,17 +76,92 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const IndexedTriangleMesh
       make_boundary_frames(surface, make_adjacency(surface), features, triangle_frames, options.boundary);
   FrameField<Mesh> field(mesh);
   field.constrain(boundary, options.vertex_of);
+  if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
   field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
   FieldReport course;
-  if (options.method != FieldMethod::nearest) {
-    field.fix_boundary();
-    SmoothingOptions smoothing = options.smoothing;
-    if (!smoothing.observer) smoothing.observer = options.observer;
-    course.smoothing = field.smooth(smoothing, executor);
-    if (course.smoothing.status == Status::cancelled) course.status = Status::cancelled;
+  if (options.method == FieldMethod::smoothed)
+    course.smoothing = field.smooth(detail::observed_by(options.smoothing, options.observer), executor);
+  if (options.method == FieldMethod::best) {
+    course.diffusion = field.diffuse(detail::observed_by(options.diffusion, options.observer), executor);
+    if (course.diffusion.status != Status::cancelled) {
+      SmoothingOptions polish = detail::observed_by(options.polish, options.observer);
+      std::vector<double> weights;
+      if (polish.edge_weights.empty()) {
+        weights = dirichlet_weights(field.adjacency(), field.points());
+        polish.edge_weights = weights;
+      }
+      course.smoothing = field.smooth(polish, executor);
+    }
   }
+  if (course.diffusion.status == Status::cancelled || course.smoothing.status == Status::cancelled)
+    course.status = Status::cancelled;
   if (report) *report = std::move(course);
   return field;
+}
+
+/// Options of a field for a host's mesh alone.
+struct MeshFieldOptions {
+  FeatureOptions features = {};
+  CrossFieldOptions cross_field = {};
+  FieldOptions field = {};  ///< `vertex_of` is not looked at
+};
+
+/// The field of a host's tetrahedral mesh: extracts the boundary, finds features, computes the cross field and the
+/// field.
+///
+/// @throws nonmanifold  with two vertices of the mesh, when its boundary is not a surface along an edge; invalid_field
+///                      with the vertex or boundary triangle (in the order of `extract_boundary`); and as `validate`.
+template <TetMesh Mesh, class E = SerialExecutor>
+FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
+                                     FieldReport* report = nullptr) {
+  validate(mesh);
+  const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
+  FieldOptions field = options.field;
+  field.vertex_of = boundary.vertex_of;
+  try {
+    const TriangleAdjacency adjacency = make_adjacency(boundary.surface);
+    const FeatureGraph features = detect_features(boundary.surface, adjacency, options.features);
+    const SurfaceCrossField crosses = compute_cross_field(boundary.surface, adjacency, features, options.cross_field);
+    return compute_frame_field(mesh, boundary.surface, features, crosses.frames, field, executor, report);
+  } catch (const nonmanifold& e) {
+    // Its indices are those of the surface, which the host does not know.
+    std::vector<std::size_t> indices;
+    std::string names;
+    for (const std::size_t v : e.indices()) {
+      indices.push_back(boundary.vertex_of[v]);
+      names += (names.empty() ? "" : ", ") + std::to_string(indices.back());
+    }
+    throw nonmanifold("the boundary is not a surface along edge (" + names + ")", e.entity(), indices);
+  }
+}
+
+/// Crosses of a surface as a field in the volume has them: what to sample the surface with, so that the points on it
+/// agree with those inside.
+///
+/// @param vertex_of  surface vertex -> vertex of the mesh; empty: the same number.
+/// @return per triangle, z the outward normal, x and y the cross; the mean of its three corners' frames turned to the
+///         normal.
+template <TetMesh Mesh>
+std::vector<Quaternion> surface_crosses(const FrameField<Mesh>& field, const IndexedTriangleMesh& surface,
+                                        std::span<const index_t> vertex_of = {}) {
+  std::vector<Quaternion> crosses;
+  crosses.reserve(surface.triangles.size());
+  for (const auto& t : surface.triangles) {
+    std::array<Quaternion, 3> frames;
+    std::array<double, 3> weights{1, 1, 1};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const index_t v = vertex_of.empty() ? t[i] : vertex_of[t[i]];
+      frames[i] = field.frames()[v];
+      // A corner's frame on a feature may stand at a slant; those of smooth places know the cross best.
+      if (field.constraints()[v] == FrameConstraint::axis) weights[i] = 2;
+    }
+    const Vector3 normal =
+        (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]);
+    Quaternion frame = detail::mean_frame<3>(frames, weights);
+    if (normal.norm() > 0) frame = detail::with_z(detail::snapped(frame, normal.normalized()), normal.normalized());
+    crosses.push_back(frame);
+  }
+  return crosses;
 }
 
 }  // namespace framehex

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/field/frame_diffusion.hpp"
 #include "framehex/field/nearest_start.hpp"
+#include "framehex/field/singular_graph.hpp"
 #include "framehex/field/smoothing.hpp"
 #include "framehex/field/tet_locator.hpp"
 
@@ -96,6 +98,24 @@ public:
   template <class E = SerialExecutor>
   SmoothingReport smooth(const SmoothingOptions& options = {}, const E& executor = {}) {
     return smooth_frames(adjacency(), frames_, smoothness_, constraints_, axes_, options, executor);
+  }
+
+  /// See `diffuse_frames`.
+  template <class E = SerialExecutor>
+  DiffusionReport diffuse(const DiffusionOptions& options = {}, const E& executor = {}) {
+    const DiffusionReport report = diffuse_frames(
+        adjacency(), std::span<const Vector3>(points()), std::span<Quaternion>(frames_),
+        std::span<const FrameConstraint>(constraints_), std::span<const Vector3>(axes_), options, executor);
+    smoothness_ = frame_smoothness(adjacency(), frames_, executor);
+    return report;
+  }
+
+  /// See `framehex::singular_graph`.
+  SingularGraph singular_graph() const { return framehex::singular_graph(adjacency(), points(), frames_); }
+
+  /// See `framehex::boundary_misalignment`.
+  BoundaryMisalignment boundary_misalignment() const {
+    return framehex::boundary_misalignment(adjacency(), points(), frames_, constraints_, axes_);
   }
 
   /// See `framehex::dirichlet_energy`.

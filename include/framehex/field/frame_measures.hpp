@@ -125,4 +125,41 @@ inline double dirichlet_energy(const TetAdjacency& adjacency, std::span<const Qu
   return energy;
 }
 
+/// How far frames are from what the boundary asks: the largest angle between a given axis, or the normal of a boundary
+/// triangle, and the nearest axis of a frame at it.
+struct BoundaryMisalignment {
+  double largest = 0;         ///< rad, over the vertices with the constraint `axis`
+  index_t vertex = no_index;  ///< where
+  double mean = 0;            ///< rad, over all corners of boundary triangles weighted by area: sharp places count too
+};
+
+/// @param frames, constraints, axes  per vertex of the mesh.
+/// @par Complexity   O(tetrahedra).
+inline BoundaryMisalignment boundary_misalignment(const TetAdjacency& adjacency, std::span<const Vector3> points,
+                                                  std::span<const Quaternion> frames,
+                                                  std::span<const FrameConstraint> constraints,
+                                                  std::span<const Vector3> axes) {
+  BoundaryMisalignment result;
+  for (index_t v = 0; v < frames.size(); ++v) {
+    if (constraints[v] != FrameConstraint::axis) continue;
+    const double angle = detail::rotation_onto(frames[v], axes[v]).norm();
+    if (result.vertex != no_index && angle <= result.largest) continue;
+    result.largest = angle;
+    result.vertex = v;
+  }
+  double sum = 0, area = 0;
+  for (std::size_t tet = 0; tet < adjacency.tets.size(); ++tet)
+    for (int face = 0; face < 4; ++face) {
+      if (adjacency.neighbours[tet][static_cast<std::size_t>(face)] != no_index) continue;
+      const auto t = facet(adjacency.tets[tet], face);
+      const Vector3 normal = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+      const double size = normal.norm();
+      if (!(size > 0)) continue;
+      for (const index_t v : t) sum += size * detail::rotation_onto(frames[v], normal / size).norm();
+      area += 3 * size;
+    }
+  result.mean = area > 0 ? sum / area : 0;
+  return result;
+}
+
 }  // namespace framehex
