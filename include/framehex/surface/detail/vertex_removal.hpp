@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/surface/detail/delaunay_flips.hpp"
+
+#include <numbers>
+
+namespace framehex::detail {
+
+/// Removes vertices of an EditableSurface by collapsing them into a neighbour, with flips in between.
+class VertexRemover {
+public:
+  /// How bad the triangles may be that a removal makes.
+  struct Limits {
+    double upright;  ///< least cosine with the input's normals
+    double shape;    ///< least area over squared edges, 1 for an equilateral triangle
+  };
+
+  VertexRemover(EditableSurface& surface, const SectorNormals& normals)
+      : surface_(surface), normals_(normals), flipper_(surface, normals), stamp_(surface.points.size(), 0) {}
+
+  /// Removes what it can of the given vertices and keeps the others in the list, in their order.
+  void run(std::vector<index_t>& unwanted, const Limits& limits) {
+    for (bool progress = true; progress && !unwanted.empty();) {
+      std::size_t kept = 0;
+      const std::size_t before = unwanted.size();
+      for (const index_t v : unwanted)
+        if (!remove(v, limits)) unwanted[kept++] = v;
+      unwanted.resize(kept);
+      progress = kept < before;
+    }
+  }
+
+  bool remove(index_t v, const Limits& limits) {
+    index_t best = no_index;
+    double best_score = 0;
+    const index_t sharp = feature_valence(v);
+    if (sharp != 0 && sharp != 2) return false;
+    surface_.for_each_outgoing(v, [&](index_t h) {
+      if (sharp == 2 && !surface_.feature[h]) return;
+      const double score = collapse_score(h, limits);
+      if (score > best_score || (score == best_score && best != no_index && surface_.to(h) < surface_.to(best))) {
+        best_score = score;
+        best = h;
+      }
+    });
+    if (best == no_index || !(best_score > 0)) return false;
+    const index_t w = surface_.to(best);
+    surface_.collapse(best);
+    flipper_.push_star(w);
+    flipper_.run(DelaunayFlipper::Scope::within_patches);
+    return true;
+  }
+
+  DelaunayFlipper& flipper() { return flipper_; }
+
+  index_t feature_valence(index_t v) const {
+    index_t n = 0;
+    surface_.for_each_outgoing(v, [&](index_t h) {
+      n += surface_.feature[h];
+      const index_t incoming = EditableSurface::previous(h);
+      if (surface_.opposite[incoming] == no_index) ++n;  // a rim that ends here has no half edge of its own
+    });
+    return n;
+  }
+
+private:
+  /// The only neighbours that v and w share are the two apexes of their edge: else the surface would be pinched.
+  bool link_condition(index_t h) const {
+    const index_t v = surface_.from(h), w = surface_.to(h);
+    ++now_;
+    mark_neighbours(w);
+    index_t common = 0;
+    visit_neighbours(v, [&](index_t x) { common += stamp_[x] == now_; });
+    return common == (surface_.opposite[h] == no_index ? 1u : 2u);
+  }
+
+  template <class Visit>
+  void visit_neighbours(index_t v, Visit&& visit) const {
+    surface_.for_each_outgoing(v, [&](index_t h) {
+      visit(surface_.to(h));
+      const index_t incoming = EditableSurface::previous(h);
+      if (surface_.opposite[incoming] == no_index) visit(surface_.from(incoming));
+    });
+  }
+  void mark_neighbours(index_t v) const {
+    visit_neighbours(v, [&](index_t x) {
+      if (x >= stamp_.size()) stamp_.resize(surface_.points.size(), 0);
+      stamp_[x] = now_;
+    });
+  }
+
+  /// Joining the sides of the vanishing triangle of half edge h must not lay one feature on another.
+  bool merges_features(index_t h) const {
+    return surface_.feature[EditableSurface::next(h)] && surface_.feature[EditableSurface::previous(h)];
+  }
+
+  /// Worst quality of the triangles that the collapse of h makes; 0 when it must not be.
+  double collapse_score(index_t h, const Limits& limits) const {
+    const index_t g = surface_.opposite[h], w = surface_.to(h);
+    if (merges_features(h) || (g != no_index && merges_features(g)) || !link_condition(h)) return 0;
+    const Vector3& p = surface_.points[w];
+    const index_t left = surface_.sector[EditableSurface::next(h)];
+    const index_t right = g == no_index ? left : surface_.sector[g];
+    double score = 1;
+    bool beyond = false;
+    const auto judge = [&](index_t o) {
+      const index_t x = EditableSurface::next(o), y = EditableSurface::previous(o);
+      const Vector3 &q = surface_.points[surface_.from(x)], &r = surface_.points[surface_.from(y)];
+      const Vector3 reference = normals_.of_sector(beyond ? right : left) + normals_.at(x) + normals_.at(y);
+      const double cosine = uprightness(p, q, r, reference);
+      const double shape = 2 * std::numbers::sqrt3 * (q - p).cross(r - p).norm() /
+                           ((q - p).squaredNorm() + (r - q).squaredNorm() + (p - r).squaredNorm());
+      score = cosine < limits.upright || shape < limits.shape ? 0 : std::min(score, cosine * shape);
+    };
+    // Anticlockwise from h, leaving out its own triangle and that of its opposite.
+    index_t o = surface_.opposite[EditableSurface::previous(h)];
+    for (; o != no_index && o != h && score > 0; o = surface_.opposite[EditableSurface::previous(o)]) {
+      if (surface_.feature[o]) beyond = true;
+      if (g != no_index && o / 3 == g / 3) continue;
+      judge(o);
+    }
+    if (o == no_index && g != no_index && score > 0) {  // a rim was met: the rest is clockwise from h
+      beyond = true;
+      for (o = surface_.opposite[EditableSurface::next(g)]; o != no_index && score > 0; o = surface_.opposite[o]) {
+        o = EditableSurface::next(o);
+        judge(o);
+      }
+    }
+    return score;
+  }
+
+  EditableSurface& surface_;
+  const SectorNormals& normals_;
+  DelaunayFlipper flipper_;
+  mutable std::vector<index_t> stamp_;
+  mutable index_t now_ = 0;
+};
+
+}  // namespace framehex::detail
