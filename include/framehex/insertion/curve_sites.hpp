@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/surface_walker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace framehex::detail {
+
+/// One way to leave a sample of a curve: into this triangle, by directions at `low` to `high` (rad) from `reference`
+/// anticlockwise about the normal.
+struct Sector {
+  index_t triangle;
+  Vector3 reference;
+  double low, high;
+};
+
+/// Where the samples of corners and curves lie among the triangles.
+class CurveSites {
+public:
+  CurveSites(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
+             const SurfaceWalker& walker)
+      : surface_(surface), adjacency_(adjacency), features_(features), walker_(walker) {}
+
+  /// All sectors round a sample, by ascending triangle.
+  std::vector<Sector> sectors(const SurfaceSample& sample) const {
+    if (sample.kind == SampleKind::corner) return round_vertex(features_.corners[sample.entity]);
+    const std::span<const index_t> row = features_.curves[sample.entity];
+    double rest = sample.arc;
+    for (std::size_t i = 0; i + 1 < row.size(); ++i) {
+      const double length = (surface_.points[row[i + 1]] - surface_.points[row[i]]).norm();
+      const double slack = 1e-9 * length;
+      if (rest <= slack) return round_vertex(row[i]);
+      if (rest < length - slack) return beside_edge(row[i], row[i + 1]);
+      rest -= length;
+    }
+    return round_vertex(row.back());
+  }
+
+private:
+  // A direction nearer than this to a feature edge runs along the curve, which has its samples already.
+  static constexpr double off_wall = 0.3;
+  // Neighbouring triangles have slightly different crosses; without an overlap a direction could fall between them.
+  static constexpr double overlap = 0.1;
+
+  std::vector<Sector> round_vertex(index_t v) const {
+    std::vector<Sector> result;
+    for (const index_t t : adjacency_.triangles_of_vertex[v]) {
+      index_t h = 3 * t;
+      while (adjacency_.from(h) != v) ++h;
+      const index_t back = TriangleAdjacency::previous(h);
+      const Vector3 first = walker_.edge_direction(h), last = -walker_.edge_direction(back);
+      const double angle = std::atan2(first.cross(last).norm(), first.dot(last));
+      result.push_back({t, first, walker_.is_wall(h) ? off_wall : -overlap,
+                        walker_.is_wall(back) ? angle - off_wall : angle + overlap});
+    }
+    return result;
+  }
+
+  std::vector<Sector> beside_edge(index_t a, index_t b) const {
+    std::vector<Sector> result;
+    for (const index_t t : adjacency_.triangles_of_vertex[a])
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h)
+        if (std::minmax(adjacency_.from(h), adjacency_.to(h)) == std::minmax(a, b))
+          result.push_back({t, walker_.edge_direction(h), off_wall, std::numbers::pi - off_wall});
+    return result;
+  }
+
+  const IndexedTriangleMesh& surface_;
+  const TriangleAdjacency& adjacency_;
+  const FeatureGraph& features_;
+  const SurfaceWalker& walker_;
+};
+
+}  // namespace framehex::detail

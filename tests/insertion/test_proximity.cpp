@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/insertion/proximity.hpp"
+#include "framehex/insertion/rtree_filter.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+using namespace framehex;
+
+namespace {
+
+template <class Filter>
+std::vector<index_t> found(const Filter& filter, const Vector3& low, const Vector3& high) {
+  std::vector<index_t> ids;
+  filter.for_each_in_box(low, high, [&](index_t i, const Vector3&) { ids.push_back(i); });
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+struct Uniform {
+  std::mt19937_64 engine{11};
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
+  }
+  Vector3 point(double r) { return {(*this)(-r, r), (*this)(-r, r), (*this)(-r, r)}; }
+};
+
+template <class Filter>
+void check_against_brute_force(Filter filter, Uniform& uniform, bool graded) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < 3000; ++i) {
+    Vector3 p = uniform.point(10);
+    if (graded && i % 2 == 0) p = uniform.point(0.05);
+    const double size = graded ? std::max(0.003, 0.1 * p.norm()) : 1.0;
+    filter.insert(p, size);
+    points.push_back(p);
+    if (i % 10 != 0) continue;
+    const Vector3 centre = points[static_cast<std::size_t>(i) / 2] + uniform.point(0.3);
+    const Vector3 half = graded && i % 20 == 0 ? Vector3(0.02, 0.01, 0.04) : Vector3(1.2, 0.9, 2.0);
+    std::vector<index_t> expected;
+    for (index_t k = 0; k < points.size(); ++k)
+      if (((points[k] - centre).cwiseAbs().array() <= half.array()).all()) expected.push_back(k);
+    REQUIRE(found(filter, centre - half, centre + half) == expected);
+  }
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("a proximity filter finds what brute force finds", "", HashGrid, RTreeFilter) {
+  Uniform uniform;
+  SECTION("uniform sizes") {
+    check_against_brute_force(TestType(1.0), uniform, false);
+  }
+  SECTION("sizes over three decades") {
+    check_against_brute_force(TestType(2.0), uniform, true);
+  }
+  SECTION("cells much smaller than the boxes asked for") {
+    check_against_brute_force(TestType(1e-3), uniform, false);
+  }
+  SECTION("cells much larger than the domain") {
+    check_against_brute_force(TestType(1e4), uniform, true);
+  }
+}
+
+TEMPLATE_TEST_CASE("a closed box contains its faces", "", HashGrid, RTreeFilter) {
+  TestType filter(1.0);
+  filter.insert({1, 1, 1}, 1.0);
+  filter.insert({2, 1, 1}, 0.2);
+  filter.insert({2, 1, 1}, 0.2);
+  CHECK(found(filter, Vector3(1, 1, 1), Vector3(2, 1, 1)) == std::vector<index_t>{0, 1, 2});
+  CHECK(found(filter, Vector3(1.5, 0, 0), Vector3(1.9, 2, 2)).empty());
+}
+
+TEST_CASE("the infinity norm in a frame, and the box round its ball") {
+  const Quaternion frame = Quaternion(0.4, 0.1, -0.7, 0.3).normalized();
+  const Eigen::Matrix3d axes = frame.toRotationMatrix();
+  CHECK(frame_infinity_norm(axes, frame * Vector3(0.2, -0.7, 0.5)) == Approx(0.7));
+  const Vector3 half = box_half_edges(axes, 2.0);
+  Vector3 reached = Vector3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3 local(corner & 1 ? 2 : -2, corner & 2 ? 2 : -2, corner & 4 ? 2 : -2);
+    reached = reached.cwiseMax((frame * local).cwiseAbs());
+  }
+  CHECK((half - reached).norm() < 1e-12);
+}
