@@ -93,15 +93,19 @@ inline bool in_filter_range(double product) {
   return product > 1e-250 && product < 1e250;
 }
 
+/// Bound on the rounding of `jacobian_bezier`. With u = 2^-53 and `product` that of the largest components in the three
+/// directions, a determinant has six terms of at most `product`, each wrong by 9 u; times 8, and summed to the centre's
+/// coefficient, less than 5600 u. Sixteen halvings with their rounding add four times that at most.
+inline double hexahedron_error(double product) {
+  return 0x1p-40 * product;
+}
+
 inline bool is_valid_hexahedron(std::span<const Vector3> corners) {
   using Integer = boost::multiprecision::cpp_int;
   const HexahedronEdges<double> edges(triples<8>(corners));
   const JacobianBezier<double> b = jacobian_bezier(edges);
-  // With u = 2^-53 and P the product of the largest components in the three directions, a determinant has six terms of
-  // at most P, each wrong by 9 u; times 8, and summed to the centre's coefficient, less than 5600 u P. Sixteen halvings
-  // with their rounding add four times that at most.
   const double product = magnitude(edges.u) * magnitude(edges.v) * magnitude(edges.w);
-  const double error = 0x1p-40 * product;
+  const double error = hexahedron_error(product);
   if (in_filter_range(product)) {
     if (*std::min_element(b.begin(), b.end()) > error) return true;
     const Sign sign = sign_of_minimum(b, 5 * error, 16, 1000);

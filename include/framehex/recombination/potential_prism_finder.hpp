@@ -54,11 +54,13 @@ private:
   template <class Emit>
   void complete(const std::array<index_t, 4>& corner, const Face& bd, const Face& cd, Emit& emit) const {
     const auto [a, b, c, d] = corner;
+    const auto& links = faces_.links();
     for (const index_t e : faces_.opposites(bd)) {
       if (e == c || !faces_.is_corner(b, c, a, e)) continue;
       for (const index_t f : faces_.opposites(cd)) {
         if (f == b || f == e || !faces_.is_corner(c, a, b, f)) continue;
-        if (faces_.is_facet(d, e, f) && faces_.is_quadrilateral(b, c, f, e)) emit(Vertices{a, b, c, d, e, f});
+        if (links.is_facet(d, e, f) && links.is_opposite(b, links.position(b, c), links.position(b, e), f))
+          emit(Vertices{a, b, c, d, e, f});
       }
     }
   }

@@ -29,8 +29,7 @@ public:
           if (!faces_.is_corner(a, b, d, apex)) std::swap(b, d);
           if (!faces_.is_corner(a, b, d, apex)) return;
           for (const index_t c : faces_.opposites(face))
-            if (c != apex && faces_.is_facet(apex, b, c) && faces_.is_facet(apex, c, d))
-              emit(Vertices{a, b, c, d, apex});
+            if (c != apex && links.is_facet(apex, b, c) && links.is_facet(apex, c, d)) emit(Vertices{a, b, c, d, apex});
         });
   }
 

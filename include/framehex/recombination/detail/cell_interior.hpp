@@ -7,6 +7,9 @@
 
 namespace framehex::detail {
 
+/// What a tetrahedron on a set of a cell's corners can be: `foreign` ones have corners elsewhere.
+enum class OnCorners : std::uint8_t { foreign, three_of_four, all_four, face_sliver };
+
 /// The triangles that the faces of a kind of cell can be cut into, found by the set of their three corners.
 ///
 /// Triangle 4 f + t belongs to face f: t = 0 and 1 share the diagonal of its corners 0 and 2, t = 2 and 3 the other; a
@@ -15,16 +18,21 @@ template <CellKind Kind>
 struct FaceTriangles {
   static constexpr std::size_t n_faces = faces_of(Kind).size();
   std::array<std::int8_t, 256> of_corners{};                      ///< set of corners -> triangle, or -1
+  std::array<OnCorners, 256> tet{};                               ///< set of corners -> tetrahedron
   std::array<std::array<std::int8_t, 3>, 4 * n_faces> corners{};  ///< anticlockwise seen from outside
-  std::array<std::uint8_t, n_faces> face_corners{};               ///< set of corners of the whole face
 
   constexpr FaceTriangles() {
     of_corners.fill(-1);
+    for (unsigned set = 0; set < 256; ++set)
+      tet[set] = std::popcount(set) == 4   ? OnCorners::all_four
+                 : std::popcount(set) == 3 ? OnCorners::three_of_four
+                                           : OnCorners::foreign;
     constexpr std::array<std::array<std::size_t, 3>, 4> cuts{{{0, 1, 2}, {0, 2, 3}, {1, 2, 3}, {1, 3, 0}}};
     for (std::size_t f = 0; f < n_faces; ++f) {
       const LocalFace face = faces_of(Kind)[f];
-      for (int i = 0; i < face.size(); ++i)
-        face_corners[f] = static_cast<std::uint8_t>(face_corners[f] | 1u << face.corners[static_cast<std::size_t>(i)]);
+      unsigned whole = 0;
+      for (int i = 0; i < face.size(); ++i) whole |= 1u << face.corners[static_cast<std::size_t>(i)];
+      if (face.size() == 4) tet[whole] = OnCorners::face_sliver;
       for (std::size_t t = 0; t < (face.size() == 3 ? 1u : 4u); ++t) {
         unsigned set = 0;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -75,62 +83,65 @@ private:
     std::int8_t facet, triangle;
   };
   struct Tet {
-    std::array<unsigned, 4> corner{};  ///< set of one corner of the cell, or none
-    unsigned all = 0;
+    std::array<std::uint8_t, 4> corner;  ///< set of one corner of the cell, or none
+    std::uint8_t all;
+
+    /// The triangle of the cell's faces opposite corner i, or -1.
+    int triangle(std::size_t i) const { return triangles.of_corners[static_cast<unsigned>(all & ~corner[i])]; }
+    OnCorners kind() const { return triangles.tet[all]; }
   };
 
   Tet look_at(index_t tet) const {
-    Tet t;
-    for (std::size_t i = 0; i < 4; ++i) t.all |= t.corner[i] = corner_set_[input_->adjacency().tets[tet][i]];
+    const auto& v = input_->adjacency().tets[tet];
+    Tet t{{corner_set_[v[0]], corner_set_[v[1]], corner_set_[v[2]], corner_set_[v[3]]}, 0};
+    t.all = static_cast<std::uint8_t>(t.corner[0] | t.corner[1] | t.corner[2] | t.corner[3]);
     return t;
   }
 
-  bool is_sliver(const Tet& t) const {
-    return std::ranges::find(triangles.face_corners, t.all) != triangles.face_corners.end() &&
-           std::popcount(t.all) == 4;
-  }
-
-  /// A tetrahedron inside, at the vertex with the fewest: it has a triangle of the cell's faces, seen from inside.
+  /// A tetrahedron inside, at a vertex with few: it has a triangle of the cell's faces, seen from inside.
   index_t find_start(const Vertices& vertices) const {
     const TetAdjacency& a = input_->adjacency();
-    const index_t v = *std::ranges::min_element(vertices, {}, [&](index_t w) { return a.tets_of_vertex[w].size(); });
+    index_t v = vertices[0];
+    if (a.tets_of_vertex[v].size() > 40)
+      v = *std::ranges::min_element(vertices, {}, [&](index_t w) { return a.tets_of_vertex[w].size(); });
     for (const index_t tet : a.tets_of_vertex[v]) {
       const Tet t = look_at(tet);
-      if (std::popcount(t.all) < 3 || is_sliver(t)) continue;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const int triangle = triangles.of_corners[t.all & ~t.corner[i]];
-        if (triangle < 0) continue;
-        const auto& outward = triangles.corners[static_cast<std::size_t>(triangle)];
-        const auto seen = facet(a.tets[tet], static_cast<int>(i));
-        const auto at = static_cast<std::size_t>(
-            std::ranges::find(seen, vertices[static_cast<std::size_t>(outward[0])]) - seen.begin());
-        if (seen[(at + 1) % 3] == vertices[static_cast<std::size_t>(outward[1])]) return tet;
-      }
+      if (t.kind() != OnCorners::all_four && t.kind() != OnCorners::three_of_four) continue;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (t.triangle(i) >= 0 && is_seen_from_inside(vertices, t.triangle(i), tet, i)) return tet;
     }
     return no_index;
   }
 
+  bool is_seen_from_inside(const Vertices& vertices, int triangle, index_t tet, std::size_t i) const {
+    const auto& outward = triangles.corners[static_cast<std::size_t>(triangle)];
+    const auto seen = facet(input_->adjacency().tets[tet], static_cast<int>(i));
+    const index_t first = vertices[static_cast<std::size_t>(outward[0])];
+    const std::size_t next = seen[0] == first ? 1 : seen[1] == first ? 2 : 0;
+    return seen[next] == vertices[static_cast<std::size_t>(outward[1])];
+  }
+
   bool flood(const Vertices& vertices) {
     tets.clear();
+    corners_of_.clear();
     foreign_.clear();
     n_exits_.fill(0);
     const index_t start = find_start(vertices);
     if (start == no_index || !enter(start)) return false;
-    const TetAdjacency& a = input_->adjacency();
     for (std::size_t n = 0; n < tets.size(); ++n) {
       const index_t tet = tets[n];
-      const Tet t = look_at(tet);
+      const Tet t = corners_of_[n];
       for (std::size_t i = 0; i < 4; ++i) {
-        const int triangle = triangles.of_corners[t.all & ~t.corner[i]];
+        const int triangle = t.triangle(i);
         if (triangle >= 0) {
           const auto face = static_cast<std::size_t>(triangle) / 4;
           if (n_exits_[face] == 2) return false;
           exits_[face][n_exits_[face]++] = {tet, static_cast<std::int8_t>(i), static_cast<std::int8_t>(triangle)};
           continue;
         }
-        const index_t next = a.neighbours[tet][i];
+        const index_t next = input_->adjacency().neighbours[tet][i];
         if (next == no_index) return false;
-        if (std::ranges::find(tets, next) == tets.end() && !enter(next)) return false;
+        if (std::find(tets.begin(), tets.end(), next) == tets.end() && !enter(next)) return false;
       }
     }
     return true;
@@ -140,12 +151,20 @@ private:
     const FinderOptions& options = input_->options();
     if (!options.free_tets.empty() && options.free_tets[tet] == 0) return false;
     if (!options.regions.empty() && !tets.empty() && options.regions[tet] != options.regions[tets[0]]) return false;
-    for (const index_t v : input_->adjacency().tets[tet])
-      if (corner_set_[v] == 0 && std::ranges::find(foreign_, v) == foreign_.end()) {
-        if (foreign_.size() == options.max_interior_vertices || input_->features().touches(v)) return false;
-        foreign_.push_back(v);
-      }
+    const Tet t = look_at(tet);
+    if (t.kind() != OnCorners::all_four && !swallow_foreign(tet)) return false;
     tets.push_back(tet);
+    corners_of_.push_back(t);
+    return true;
+  }
+
+  bool swallow_foreign(index_t tet) {
+    if (input_->options().max_interior_vertices == 0) return false;
+    for (const index_t v : input_->adjacency().tets[tet]) {
+      if (corner_set_[v] != 0 || std::ranges::find(foreign_, v) != foreign_.end()) continue;
+      if (foreign_.size() == input_->options().max_interior_vertices || input_->features().touches(v)) return false;
+      foreign_.push_back(v);
+    }
     return true;
   }
 
@@ -223,6 +242,7 @@ private:
 
   const FinderInput* input_;
   std::vector<std::uint8_t> corner_set_;  ///< vertex -> set of its corner while a cell is looked at, else none
+  std::vector<Tet> corners_of_;           ///< parallel to `tets` during the flood
   std::vector<index_t> foreign_;
   std::array<std::array<Exit, 2>, n_faces> exits_{};
   std::array<std::uint8_t, n_faces> n_exits_{};

@@ -50,16 +50,6 @@ public:
     return u.cross(v).dot(w) >= floor_ * std::sqrt(u.squaredNorm() * v.squaredNorm() * w.squaredNorm());
   }
 
-  bool is_facet(index_t u, index_t v, index_t w) const {
-    const index_t i = links_->position(u, v), j = links_->position(u, w);
-    return i != no_index && j != no_index && links_->are_linked(u, i, j);
-  }
-
-  /// Whether p, q, r, s in this cyclic order can be a face: for one of the diagonals, both triangles are facets.
-  bool is_quadrilateral(index_t p, index_t q, index_t r, index_t s) const {
-    return (is_facet(p, q, r) && is_facet(p, r, s)) || (is_facet(q, r, s) && is_facet(q, s, p));
-  }
-
 private:
   void collect(index_t a, index_t i) {
     const auto ring = links_->neighbours(a);

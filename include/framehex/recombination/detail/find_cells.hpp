@@ -2,9 +2,8 @@
 #pragma once
 
 #include "framehex/executor.hpp"
-#include "framehex/geometry/quality.hpp"
-#include "framehex/geometry/validity.hpp"
 #include "framehex/recombination/detail/cell_interior.hpp"
+#include "framehex/recombination/detail/cell_values.hpp"
 
 #include <memory>
 
@@ -21,13 +20,12 @@ public:
     search_.search(a, [&](const std::array<index_t, static_cast<std::size_t>(Corners)>& vertices) {
       std::array<Vector3, static_cast<std::size_t>(Corners)> corners;
       for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = input_->points()[vertices[i]];
-      const double quality = scaled_jacobian(kind_with<Corners>, corners);
-      if (quality < input_->options().quality_floor || !interior_.fill(vertices) ||
-          !is_valid(kind_with<Corners>, corners))
+      CellValues values;
+      if (!evaluate<kind_with<Corners>>(corners, input_->options().quality_floor, values) || !interior_.fill(vertices))
         return;
       found.vertices.push_back(vertices);
-      found.quality.push_back(static_cast<float>(quality));
-      found.volume.push_back(cell_volume(kind_with<Corners>, corners));
+      found.quality.push_back(static_cast<float>(values.quality));
+      found.volume.push_back(values.volume);
       append(found.tets, interior_.tets);
       append(found.face_slivers, interior_.slivers);
     });

@@ -38,9 +38,9 @@ public:
           if (ik == nullptr) continue;
           const index_t b = ring[i], x = ring[ij.other], y = ring[jk.other];
           if (faces_.is_corner(a, b, x, y))
-            complete({a, b, no_index, x, y}, ij, *ik, jk, emit);
+            complete({a, b, x, y}, ij, *ik, jk, emit);
           else if (faces_.is_corner(a, b, y, x))
-            complete({a, b, no_index, y, x}, *ik, ij, jk, emit);
+            complete({a, b, y, x}, *ik, ij, jk, emit);
         }
       for (const Face& ij : faces_.faces(i)) face_at_[ij.other] = nullptr;
     }
@@ -50,29 +50,51 @@ private:
   using Face = CornerFaces::Face;
 
   template <class Emit>
-  void complete(const Vertices& corner, const Face& bd, const Face& be, const Face& de, Emit& emit) const {
+  void complete(const std::array<index_t, 4>& corner, const Face& bd, const Face& be, const Face& de, Emit& emit) {
     const auto& links = faces_.links();
-    const index_t a = corner[0], b = corner[1], d = corner[3], e = corner[4];
-    for (const index_t c : faces_.opposites(bd)) {
+    const auto [a, b, d, e] = corner;
+    const auto C = faces_.opposites(bd), F = faces_.opposites(be), H = faces_.opposites(de);
+    at_d_.assign(C.size() * H.size(), Known::not_yet);
+    at_e_.assign(F.size() * H.size(), Known::not_yet);
+    for (std::size_t i = 0; i < C.size(); ++i) {
+      const index_t c = C[i];
       if (c == e) continue;
-      for (const index_t f : faces_.opposites(be)) {
+      const index_t b_to_c = links.position(b, c);
+      for (std::size_t j = 0; j < F.size(); ++j) {
+        const index_t f = F[j];
         if (f == c || f == d || !faces_.is_corner(b, c, a, f)) continue;
-        links.for_each_opposite(b, links.position(b, c), links.position(b, f), [&](index_t g) {
+        usable_.clear();
+        for (std::size_t k = 0; k < H.size(); ++k) {
+          const index_t h = H[k];
+          if (h != b && h != c && h != f && is_known(at_d_[i * H.size() + k], d, a, c, h) &&
+              is_known(at_e_[j * H.size() + k], e, h, f, a))
+            usable_.push_back(h);
+        }
+        if (usable_.empty()) continue;
+        links.for_each_opposite(b, b_to_c, links.position(b, f), [&](index_t g) {
           if (g <= a || g == d || g == e || !faces_.is_corner(c, d, b, g) || !faces_.is_corner(f, e, g, b)) return;
-          for (const index_t h : faces_.opposites(de)) {
-            if (h == b || h == c || h == f || h == g) continue;
-            if (!faces_.is_quadrilateral(d, c, g, h) || !faces_.is_quadrilateral(e, f, g, h)) continue;
-            if (faces_.is_corner(d, a, c, h) && faces_.is_corner(e, h, f, a) && faces_.is_corner(g, f, h, c) &&
-                faces_.is_corner(h, g, e, d))
+          for (const index_t h : usable_)
+            if (h != g && faces_.is_corner(g, f, h, c) && faces_.is_corner(h, g, e, d) &&
+                links.is_opposite(d, links.position(d, c), links.position(d, h), g) &&
+                links.is_opposite(e, links.position(e, f), links.position(e, h), g))
               emit(Vertices{a, b, c, d, e, f, g, h});
-          }
         });
       }
     }
   }
 
+  /// Corners at d and e are shared by several hexahedra and are looked at once.
+  enum class Known : std::uint8_t { not_yet, yes, no };
+
+  bool is_known(Known& known, index_t o, index_t x, index_t y, index_t z) const {
+    if (known == Known::not_yet) known = faces_.is_corner(o, x, y, z) ? Known::yes : Known::no;
+    return known == Known::yes;
+  }
+
   CornerFaces faces_;
   std::vector<const Face*> face_at_;  ///< by position among the neighbours of a
+  std::vector<Known> at_d_, at_e_;    ///< [c][h] and [f][h]
+  std::vector<index_t> usable_;       ///< the h that fit c and f
 };
 
 }  // namespace framehex::detail

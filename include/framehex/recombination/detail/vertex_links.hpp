@@ -87,6 +87,18 @@ public:
     }
   }
 
+  bool is_facet(index_t u, index_t v, index_t w) const {
+    const index_t i = position(u, v), j = position(u, w);
+    return i != no_index && j != no_index && are_linked(u, i, j);
+  }
+
+  /// Whether for_each_opposite(v, i, j) would give that vertex.
+  bool is_opposite(index_t v, index_t i, index_t j, index_t opposite) const {
+    const index_t known = position(v, opposite);
+    if (known != no_index && are_linked(v, i, known) && are_linked(v, j, known)) return true;
+    return are_linked(v, i, j) && is_facet(neighbours(v)[i], neighbours(v)[j], opposite);
+  }
+
   /// Calls f(opposite) for each vertex that makes a quadrilateral with v between its neighbours at i and j: for one of
   /// the two diagonals, both triangles are facets. Each vertex once.
   template <class F>
