@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/cell_kinds.hpp"
 #include "framehex/mesh/csr.hpp"
+#include "framehex/observer.hpp"
 
 #include <array>
 #include <vector>
@@ -20,6 +21,7 @@ struct Candidates {
   Csr<index_t> face_slivers;   ///< n rows, ascending
   std::vector<float> quality;  ///< least scaled Jacobian of the corners, -1 to 1
   std::vector<double> volume;  ///< of the trilinear (or its kind's) map
+  Status status = Status::complete;
 
   std::size_t size() const { return vertices.size(); }
 };

@@ -72,6 +72,14 @@ private:
 
 }  // namespace detail
 
+/// Every potential prism of a tetrahedral mesh, for those who want it vertex by vertex; see PotentialHexFinder.
+template <TetMesh Mesh>
+class PotentialPrismFinder : public detail::PotentialCellFinder<6, detail::PrismSearch> {
+public:
+  explicit PotentialPrismFinder(const Mesh& mesh, const PrismFinderOptions& options = {})
+      : PotentialCellFinder(mesh, options) {}
+};
+
 /// Every potential prism of a tetrahedral mesh; `find_potential_hexahedra` says the rest, with triangles that are
 /// facets of the mesh for the two ends.
 ///
@@ -79,8 +87,7 @@ private:
 template <TetMesh Mesh, Executor E = SerialExecutor>
 PotentialPrisms find_potential_prisms(const Mesh& mesh, const PrismFinderOptions& options = {},
                                       const E& executor = {}) {
-  const detail::FinderInput input(mesh, options);
-  return detail::find_cells<6, detail::PrismSearch>(input, executor);
+  return PotentialPrismFinder<Mesh>(mesh, options).find(executor);
 }
 
 }  // namespace framehex

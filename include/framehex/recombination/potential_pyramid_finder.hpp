@@ -39,6 +39,14 @@ private:
 
 }  // namespace detail
 
+/// Every potential pyramid of a tetrahedral mesh, for those who want it vertex by vertex; see PotentialHexFinder.
+template <TetMesh Mesh>
+class PotentialPyramidFinder : public detail::PotentialCellFinder<5, detail::PyramidSearch> {
+public:
+  explicit PotentialPyramidFinder(const Mesh& mesh, const PyramidFinderOptions& options = {})
+      : PotentialCellFinder(mesh, options) {}
+};
+
 /// Every potential pyramid of a tetrahedral mesh; `find_potential_hexahedra` says the rest, with triangles that are
 /// facets of the mesh for the four sides. Without interior vertices it is two tetrahedra with a common facet.
 ///
@@ -46,8 +54,7 @@ private:
 template <TetMesh Mesh, Executor E = SerialExecutor>
 PotentialPyramids find_potential_pyramids(const Mesh& mesh, const PyramidFinderOptions& options = {},
                                           const E& executor = {}) {
-  const detail::FinderInput input(mesh, options);
-  return detail::find_cells<5, detail::PyramidSearch>(input, executor);
+  return PotentialPyramidFinder<Mesh>(mesh, options).find(executor);
 }
 
 }  // namespace framehex
