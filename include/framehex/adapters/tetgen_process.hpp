@@ -164,24 +164,18 @@ inline std::vector<std::array<index_t, 4>> read_tets(const std::filesystem::path
 struct TetgenProcess {
   std::string program = "tetgen";  ///< looked up on the PATH
 
-  /// p: fill the surface; Y: do not touch it; i: insert the points of the second file; J: keep unused points, so that
-  /// the numbering survives; O0: no optimisation by flips, which would break up lattices; B F Q: write less.
-  std::string switches = "-pYiJO0BFQ";
+  /// p: fill the surface; Y: do not touch it; J: keep unused points, so that the numbering survives; O2/1: optimise by
+  /// flips only, since the other ways move points; B F Q: write less.
+  std::string switches = "-pYJO2/1BFQ";
 
   TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
     const detail::TemporaryFolder folder;
     const auto file = [&](const char* name) { return folder.path() / name; };
-    detail::write_nodes(file("surface.node"), request.points.first(request.n_surface_points));
+    // All points in one file: given apart, to be inserted afterwards (switch i), they make TetGen crash now and then.
+    detail::write_nodes(file("surface.node"), request.points);
     detail::write_facets(file("surface.smesh"), request.triangles);
-    const auto interior = request.points.subspan(request.n_surface_points);
-    std::string used = switches;
-    if (interior.empty())
-      std::erase(used, 'i');
-    else
-      detail::write_nodes(file("surface.a.node"), interior);
-
     const int exit =
-        detail::run_process({program, used, file("surface.smesh").string()}, file("log"), request.observer);
+        detail::run_process({program, switches, file("surface.smesh").string()}, file("log"), request.observer);
     if (exit == -1) return {.tets = {}, .extra_points = {}, .status = Status::cancelled};
     const bool missing = exit == -2 || exit == 127;
     if (missing)
