@@ -22,7 +22,7 @@ struct FeatureOptions {
 namespace detail {
 
 /// Feature edges while they are being sorted out.
-class FeatureEdges {
+class FeatureDetector {
 public:
   struct Edge {
     std::array<index_t, 2> vertices;
@@ -31,7 +31,7 @@ public:
     bool alive = true;
   };
 
-  FeatureEdges(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureOptions& options)
+  FeatureDetector(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureOptions& options)
       : surface_(surface), adjacency_(adjacency) {
     find_sharp(options);
     add_given(options);
@@ -267,7 +267,7 @@ inline FeatureGraph detect_features(const IndexedTriangleMesh& surface, const Tr
   for (const double angle : {options.angle, options.corner_angle})
     if (!(angle > 0 && angle < std::numbers::pi))
       throw invalid_option("a feature angle of " + std::to_string(angle) + " rad is not between 0 and pi");
-  detail::FeatureEdges edges(surface, adjacency, options);
+  detail::FeatureDetector edges(surface, adjacency, options);
   edges.prune(options.stray_edges);
 
   FeatureGraph graph;
