@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/selection/clique_cover.hpp"
+
+namespace framehex::detail {
+
+/// The graph on some candidates, renumbered in their order; the same unit.
+///
+/// @param kept  ascending.
+inline IncompatibilityGraph induced_subgraph(const IncompatibilityGraph& graph, std::span<const index_t> kept) {
+  std::vector<index_t> number(graph.size(), no_index);
+  for (std::size_t i = 0; i < kept.size(); ++i) number[kept[i]] = static_cast<index_t>(i);
+  QuantisedWeights weights;
+  weights.unit = graph.unit();
+  Csr<index_t> rows;
+  rows.offsets.reserve(kept.size() + 1);
+  for (const index_t v : kept) {
+    weights.values.push_back(graph.weights_in_units()[v]);
+    for (const index_t u : graph.neighbours(v))
+      if (number[u] != no_index) rows.values.push_back(number[u]);
+    rows.end_row();
+  }
+  return GraphAccess::unchecked(std::move(rows), std::move(weights));
+}
+
+/// The part of a cover, with its prices, that concerns some candidates; cliques of fewer than two of them fall away.
+struct CoverPart {
+  CliqueCover cover;
+  std::vector<float> primal, dual;
+};
+
+inline CoverPart restrict_cover(const CliqueCover& cover, std::span<const float> primal, std::span<const float> dual,
+                                std::span<const index_t> kept) {
+  std::vector<index_t> number(primal.size(), no_index);
+  for (std::size_t i = 0; i < kept.size(); ++i) number[kept[i]] = static_cast<index_t>(i);
+  CoverPart part;
+  Csr<index_t>& rows = part.cover.cliques;
+  for (std::size_t c = 0; c < cover.size(); ++c) {
+    const std::size_t first = rows.values.size();
+    for (const index_t v : cover.cliques[c])
+      if (number[v] != no_index) rows.values.push_back(number[v]);
+    if (rows.values.size() < first + 2) {
+      rows.values.resize(first);
+      continue;
+    }
+    rows.end_row();
+    part.dual.push_back(dual[c]);
+  }
+  part.cover.cliques_of_vertex = transpose(rows, kept.size());
+  for (const index_t v : kept) part.primal.push_back(primal[v]);
+  return part;
+}
+
+}  // namespace framehex::detail
