@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/errors.hpp"
+#include "framehex/geometry/quality.hpp"
+#include "framehex/io/vtk_cells.hpp"
+#include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/mesh/mixed_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+namespace framehex {
+
+namespace detail {
+
+/// Gathers what a reader finds, and checks it: indices in range, coordinates finite.
+class MeshBuilder {
+public:
+  /// @param name        of the file, for errors.
+  /// @param first_label the smallest usual label of the format: 0 or 1.
+  MeshBuilder(std::string name, std::int64_t first_label) : name_(std::move(name)), first_label_(first_label) {}
+
+  void add_point(double x, double y, double z) { mesh_.points.emplace_back(x, y, z); }
+  std::size_t n_points() const { return mesh_.points.size(); }
+
+  /// Adds an element of any dimension. Points are numbered from 0 here and need not be known yet.
+  ///
+  /// @param number   of the element in its file, for errors.
+  void add(int dimension, CellKind kind, std::span<const std::int64_t> corners, std::int64_t label,
+           std::size_t number) {
+    std::array<index_t, 8> row{no_index, no_index, no_index, no_index, no_index, no_index, no_index, no_index};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (corners[i] < 0 || corners[i] >= std::int64_t{no_index})
+        throw invalid_connectivity(out_of_range(number, corners[i]), Entity::cell, {number});
+      row[i] = static_cast<index_t>(corners[i]);
+    }
+    if (dimension == 1) mesh_.edges.push_back({{row[0], row[1]}, 0});
+    if (dimension == 2) mesh_.faces.push_back({{row[0], row[1], row[2], row[3]}, 0});
+    if (dimension == 3) {
+      mesh_.add(kind, std::span(row).first(corners.size()));
+    }
+    labels_[static_cast<std::size_t>(dimension)].push_back(label);
+    for (const std::int64_t corner : corners)
+      if (corner > greatest_) greatest_ = corner, greatest_user_ = number;
+  }
+
+  /// Adds a cell by VTK's type; vertices and polygonal lines are passed over.
+  void add_vtk(std::int64_t type, std::span<const std::int64_t> corners, std::int64_t label, std::size_t number) {
+    const auto expect = [&](std::size_t n) {
+      if (corners.size() != n)
+        throw io_error(name_ + ": cell " + std::to_string(number) + " of VTK type " + std::to_string(type) + " has " +
+                           std::to_string(corners.size()) + " corners",
+                       Entity::cell, {number});
+    };
+    switch (type) {
+      case vtk::vertex:
+      case vtk::poly_vertex:
+      case vtk::poly_line: return;
+      case vtk::line: expect(2); return add(1, {}, corners, label, number);
+      case vtk::triangle: expect(3); return add(2, {}, corners, label, number);
+      case vtk::quad: expect(4); return add(2, {}, corners, label, number);
+      default: break;
+    }
+    for (const CellKind kind : all_cell_kinds)
+      if (type == vtk::cell_type(kind)) {
+        const auto n = static_cast<std::size_t>(n_corners(kind));
+        expect(n);
+        std::array<std::int64_t, 8> ours{};
+        for (std::size_t i = 0; i < n; ++i) ours[i] = corners[vtk::corner(kind, i)];
+        return add(3, kind, std::span(ours).first(n), label, number);
+      }
+    throw io_error(name_ + ": cell " + std::to_string(number) + " is of VTK type " + std::to_string(type) +
+                       "; tetrahedra, pyramids, prisms, hexahedra, triangles, quadrilaterals and lines are read",
+                   Entity::cell, {number});
+  }
+
+  /// @throws invalid_connectivity, invalid_coordinate, io_error when there is no volume cell.
+  MixedMesh finish() {
+    if (greatest_ >= static_cast<std::int64_t>(mesh_.points.size()))
+      throw invalid_connectivity(out_of_range(greatest_user_, greatest_), Entity::cell, {greatest_user_});
+    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
+      if (!mesh_.points[v].allFinite())
+        throw invalid_coordinate(name_ + ": vertex " + std::to_string(v) + " has a coordinate that is not finite",
+                                 Entity::vertex, {v});
+    if (mesh_.n_cells() == 0) throw io_error(name_ + ": holds no tetrahedron, pyramid, prism or hexahedron");
+    turn_prisms();
+    const auto edge_labels = dense_labels(labels_[1]), face_labels = dense_labels(labels_[2]);
+    for (std::size_t i = 0; i < edge_labels.size(); ++i) mesh_.edges[i].label = edge_labels[i];
+    for (std::size_t i = 0; i < face_labels.size(); ++i) mesh_.faces[i].label = face_labels[i];
+    const bool one_region =
+        std::all_of(labels_[3].begin(), labels_[3].end(), [&](std::int64_t l) { return l == labels_[3][0]; });
+    if (!one_region) mesh_.regions = dense_labels(labels_[3]);
+    return std::move(mesh_);
+  }
+
+private:
+  std::string out_of_range(std::size_t number, std::int64_t vertex) const {
+    return name_ + ": cell " + std::to_string(number) + " refers to vertex " + std::to_string(vertex) + " of " +
+           std::to_string(mesh_.points.size());
+  }
+
+  /// VTK's manual and the programs that write its files disagree about prisms: if all of them together are inside out,
+  /// the file follows the other convention.
+  void turn_prisms() {
+    double volume = 0;
+    for (std::size_t c = 0; c < mesh_.n_cells(); ++c)
+      if (mesh_.kinds[c] == CellKind::prism) {
+        std::array<Vector3, 6> p;
+        for (std::size_t i = 0; i < 6; ++i) p[i] = mesh_.points[mesh_.cells[c][i]];
+        volume += cell_volume(CellKind::prism, p);
+      }
+    if (!(volume < 0)) return;
+    for (std::size_t c = 0; c < mesh_.n_cells(); ++c)
+      if (mesh_.kinds[c] == CellKind::prism) {
+        const auto row = mesh_.cells[c];
+        std::swap(row[1], row[2]);
+        std::swap(row[4], row[5]);
+      }
+  }
+
+  /// Labels counted from 0: as in the file but for its first number, or by rank where some are out of the usual range.
+  std::vector<index_t> dense_labels(const std::vector<std::int64_t>& raw) const {
+    std::vector<index_t> labels;
+    labels.reserve(raw.size());
+    const bool usual = std::all_of(raw.begin(), raw.end(), [&](std::int64_t l) {
+      return l >= first_label_ && l - first_label_ < std::int64_t{1} << 31;
+    });
+    if (usual) {
+      for (const std::int64_t l : raw) labels.push_back(static_cast<index_t>(l - first_label_));
+      return labels;
+    }
+    std::vector<std::int64_t> values = raw;
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    for (const std::int64_t l : raw)
+      labels.push_back(static_cast<index_t>(std::lower_bound(values.begin(), values.end(), l) - values.begin()));
+    return labels;
+  }
+
+  std::string name_;
+  std::int64_t first_label_;
+  MixedMesh mesh_;
+  std::array<std::vector<std::int64_t>, 4> labels_;  // by dimension
+  std::int64_t greatest_ = -1;
+  std::size_t greatest_user_ = 0;
+};
+
+}  // namespace detail
+
+/// The tetrahedra of a mesh that has no other cells.
+///
+/// @return the tetrahedra; their `regions` stay with the caller (`mesh.regions`, same numbers).
+/// @throws invalid_connectivity  with the first cell of another kind.
+inline IndexedTetMesh tetrahedra_of(const MixedMesh& mesh) {
+  IndexedTetMesh tets{mesh.points, {}};
+  tets.tets.reserve(mesh.n_cells());
+  for (std::size_t c = 0; c < mesh.n_cells(); ++c) {
+    if (mesh.kinds[c] != CellKind::tetrahedron)
+      throw invalid_connectivity("cell " + std::to_string(c) + " is not a tetrahedron", Entity::cell, {c});
+    const auto row = mesh.cells[c];
+    tets.tets.push_back({row[0], row[1], row[2], row[3]});
+  }
+  return tets;
+}
+
+}  // namespace framehex

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/io/input_file.hpp"
+#include "framehex/io/mesh_builder.hpp"
+
+#include <map>
+#include <unordered_map>
+
+namespace framehex {
+
+namespace detail {
+
+class MshReader {
+public:
+  MshReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
+
+  MixedMesh read() {
+    if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
+    read_format();
+    for (std::string_view section = next_section(); !section.empty(); section = next_section()) {
+      if (section == "$Nodes")
+        version_ == 2 ? read_nodes_2() : read_nodes_4();
+      else if (section == "$Elements")
+        version_ == 2 ? read_elements_2() : read_elements_4();
+      else if (section == "$Entities" && version_ == 4)
+        read_entities_4();
+      else
+        skip_section(section);
+    }
+    return builder_.finish();
+  }
+
+private:
+  struct ElementType {
+    int dimension;
+    CellKind kind;
+    std::size_t n_corners;
+  };
+
+  ElementType element_type(std::int64_t type) const {
+    switch (type) {
+      case 1: return {1, {}, 2};
+      case 2: return {2, {}, 3};
+      case 3: return {2, {}, 4};
+      case 4: return {3, CellKind::tetrahedron, 4};
+      case 5: return {3, CellKind::hexahedron, 8};
+      case 6: return {3, CellKind::prism, 6};
+      case 7: return {3, CellKind::pyramid, 5};
+      case 15: return {0, {}, 1};
+      default: in_.fail("element type " + std::to_string(type) + " is not read (only linear elements are)");
+    }
+  }
+
+  void read_format() {
+    const auto version = in_.number<double>("the version");
+    version_ = version >= 2 && version < 3 ? 2 : version == 4.1 ? 4 : 0;
+    if (version_ == 0) in_.fail("version of the format is neither 2 nor 4.1");
+    binary_ = in_.number<int>("the file type") == 1;
+    const int data_size = in_.number<int>("the data size");
+    if (data_size != 8) in_.fail("data size is not 8");
+    if (binary_) {
+      in_.line();
+      const auto one = in_.raw<std::int32_t>();
+      if (one != 1 && one != 0x01000000) in_.fail("the byte order is not told");
+      order_ = (one == 1) == (std::endian::native == std::endian::little) ? std::endian::little : std::endian::big;
+    }
+    end_section("$EndMeshFormat");
+  }
+
+  std::string_view next_section() {
+    const std::string_view section = in_.word();
+    if (!section.empty() && section[0] != '$')
+      in_.fail("a section should begin where \"" + Cursor::printable(section) + "\" stands");
+    in_.line();
+    return section;
+  }
+
+  void end_section(std::string_view keyword) {
+    if (in_.word() != keyword) in_.fail(std::string(keyword) + " should stand here");
+  }
+
+  void skip_section(std::string_view section) {
+    const std::string end = "$End" + std::string(section.substr(1));
+    while (in_.remaining() > 0)
+      if (in_.line().starts_with(end)) return;
+    in_.fail("the file ends within " + Cursor::printable(section));
+  }
+
+  /// One number of the file, text or binary.
+  template <class Stored>
+  Stored get(const char* what) {
+    return binary_ ? in_.raw<Stored>(order_) : in_.number<Stored>(what);
+  }
+  std::int64_t get_int(const char* what) { return get<std::int32_t>(what); }
+  std::uint64_t get_size(const char* what) { return get<std::uint64_t>(what); }
+
+  /// A count that the rest of the file can hold.
+  std::size_t get_count(const char* what) {
+    const std::uint64_t n = get_size(what);
+    if (n > in_.remaining()) in_.fail(std::string(what) + " is " + std::to_string(n) + ", more than the file can hold");
+    return static_cast<std::size_t>(n);
+  }
+
+  void add_node(std::int64_t tag) {
+    const auto x = get<double>("a coordinate"), y = get<double>("a coordinate"), z = get<double>("a coordinate");
+    set_node(tag, x, y, z);
+  }
+  void set_node(std::int64_t tag, double x, double y, double z) {
+    if (!index_of_tag_.try_emplace(tag, static_cast<std::int64_t>(builder_.n_points())).second)
+      in_.fail("node " + std::to_string(tag) + " stands twice");
+    builder_.add_point(x, y, z);
+  }
+
+  void add_element(const ElementType& type, std::span<std::int64_t> tags, std::int64_t label, std::int64_t number) {
+    if (type.dimension == 0) return;
+    for (std::int64_t& tag : tags) {
+      const auto found = index_of_tag_.find(tag);
+      if (found == index_of_tag_.end())
+        throw invalid_connectivity(in_.name() + ": element " + std::to_string(number) + " refers to node " +
+                                       std::to_string(tag) + ", which does not exist",
+                                   Entity::cell, {static_cast<std::size_t>(number)});
+      tag = found->second;
+    }
+    builder_.add(type.dimension, type.kind, tags, label, static_cast<std::size_t>(number));
+  }
+
+  void read_nodes_2() {
+    const std::size_t n = in_.count("the number of nodes", 7);
+    in_.line();
+    for (std::size_t i = 0; i < n; ++i) add_node(get_int("a node's number"));
+    end_section("$EndNodes");
+  }
+
+  void read_elements_2() {
+    const std::size_t n = in_.count("the number of elements", 3);
+    in_.line();
+    std::array<std::int64_t, 8> corners{};
+    for (std::size_t read = 0; read < n;) {
+      // In text each element states its type; in binary a block of them does.
+      std::int64_t number = binary_ ? 0 : get_int("an element's number");
+      const ElementType type = element_type(get_int("an element type"));
+      const std::int64_t n_block = binary_ ? get_int("the size of a block") : 1;
+      const std::int64_t n_tags = get_int("the number of tags");
+      if (n_block < 1 || n_tags < 0) in_.fail("a count is negative");
+      for (std::int64_t i = 0; i < n_block; ++i, ++read) {
+        if (binary_) number = get_int("an element's number");
+        std::int64_t label = 0;
+        for (std::int64_t t = 0; t < n_tags; ++t) {
+          const std::int64_t tag = get_int("a tag");
+          if (t == 0) label = tag;
+        }
+        for (std::size_t c = 0; c < type.n_corners; ++c) corners[c] = get_int("a node");
+        add_element(type, std::span(corners).first(type.n_corners), label, number);
+      }
+    }
+    end_section("$EndElements");
+  }
+
+  void read_entities_4() {
+    std::array<std::size_t, 4> n{};
+    for (std::size_t& count : n) count = get_count("a number of entities");
+    for (int dimension = 0; dimension < 4; ++dimension)
+      for (std::size_t i = 0; i < n[static_cast<std::size_t>(dimension)]; ++i) {
+        const std::int64_t tag = get_int("an entity's number");
+        for (int x = 0; x < (dimension == 0 ? 3 : 6); ++x) get<double>("a coordinate");
+        const std::size_t n_physical = get_count("the number of physical groups");
+        for (std::size_t p = 0; p < n_physical; ++p) {
+          const std::int64_t group = get_int("a physical group");
+          if (p == 0) physical_[{dimension, tag}] = group;
+        }
+        if (dimension == 0) continue;
+        const std::size_t n_bounding = get_count("the number of bounding entities");
+        for (std::size_t b = 0; b < n_bounding; ++b) get_int("a bounding entity");
+      }
+    end_section("$EndEntities");
+  }
+
+  void read_nodes_4() {
+    const std::size_t n_blocks = get_count("the number of blocks");
+    for (int i = 0; i < 3; ++i) get_size("a number of nodes");
+    std::vector<std::int64_t> tags;
+    for (std::size_t block = 0; block < n_blocks; ++block) {
+      get_int("a dimension");
+      get_int("an entity");
+      if (get_int("whether parameters follow") != 0) in_.fail("nodes with parameters are not read");
+      tags.resize(get_count("the number of nodes of a block"));
+      for (std::int64_t& tag : tags) tag = static_cast<std::int64_t>(get_size("a node's number"));
+      for (const std::int64_t tag : tags) add_node(tag);
+    }
+    end_section("$EndNodes");
+  }
+
+  void read_elements_4() {
+    const std::size_t n_blocks = get_count("the number of blocks");
+    for (int i = 0; i < 3; ++i) get_size("a number of elements");
+    std::array<std::int64_t, 8> corners{};
+    for (std::size_t block = 0; block < n_blocks; ++block) {
+      const auto dimension = static_cast<int>(get_int("a dimension"));
+      const std::int64_t entity = get_int("an entity");
+      const ElementType type = element_type(get_int("an element type"));
+      const std::size_t n = get_count("the number of elements of a block");
+      const auto group = physical_.find({dimension, entity});
+      const std::int64_t label = group != physical_.end() ? group->second : 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto number = static_cast<std::int64_t>(get_size("an element's number"));
+        for (std::size_t c = 0; c < type.n_corners; ++c) corners[c] = static_cast<std::int64_t>(get_size("a node"));
+        add_element(type, std::span(corners).first(type.n_corners), label, number);
+      }
+    }
+    end_section("$EndElements");
+  }
+
+  Cursor in_;
+  MeshBuilder builder_;
+  int version_ = 0;
+  bool binary_ = false;
+  std::endian order_ = std::endian::native;
+  std::unordered_map<std::int64_t, std::int64_t> index_of_tag_;
+  std::map<std::pair<int, std::int64_t>, std::int64_t> physical_;  // of an entity (dimension, number)
+};
+
+}  // namespace detail
+
+/// Reads a mesh in Gmsh's format, version 2 or 4.1, text or binary.
+///
+/// @return cells, faces and edges with the number of their first physical group less one as labels (by rank where one
+///         has none).
+/// @throws io_error naming file and line; invalid_connectivity (a node that does not exist) and invalid_coordinate
+///         (NaN, infinity), both naming the file as well. Elements are named by their numbers in the file.
+/// @par Complexity   O(n).
+inline MixedMesh read_msh(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  return detail::MshReader(path.string(), bytes).read();
+}
+
+}  // namespace framehex

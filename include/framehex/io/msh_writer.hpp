@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/io/output_file.hpp"
+#include "framehex/mesh/mixed_mesh.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace framehex {
+
+namespace detail {
+
+/// Gmsh's numbers of the element types, by corners and dimension.
+constexpr int msh_element_type(int dimension, std::size_t n_corners) {
+  if (dimension == 1) return 1;
+  if (dimension == 2) return n_corners == 3 ? 2 : 3;
+  switch (n_corners) {
+    case 4: return 4;
+    case 8: return 5;
+    case 6: return 6;
+    default: return 7;
+  }
+}
+
+/// Elements of one entity (dimension and label) and one type: a block of the file.
+struct MshBlocks {
+  struct Key {
+    int dimension;
+    index_t label;
+    int type;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::map<Key, Csr<index_t>> blocks;
+  std::map<std::pair<int, index_t>, std::array<Vector3, 2>> entities;  // with their bounding boxes
+  std::size_t n_elements = 0;
+
+  explicit MshBlocks(const MixedMesh& mesh) {
+    for (const LabelledEdge& edge : mesh.edges) add(mesh, 1, edge.label, edge.vertices);
+    for (const LabelledFace& face : mesh.faces) add(mesh, 2, face.label, std::span(face.vertices).first(face.size()));
+    for (std::size_t c = 0; c < mesh.n_cells(); ++c)
+      add(mesh, 3, mesh.regions.empty() ? 0 : mesh.regions[c], mesh.cells[c]);
+  }
+
+private:
+  void add(const MixedMesh& mesh, int dimension, index_t label, std::span<const index_t> corners) {
+    Csr<index_t>& block = blocks[{dimension, label, msh_element_type(dimension, corners.size())}];
+    block.values.insert(block.values.end(), corners.begin(), corners.end());
+    block.end_row();
+    ++n_elements;
+    const Vector3& first = mesh.points[corners[0]];
+    auto& box = entities.try_emplace({dimension, label}, std::array<Vector3, 2>{first, first}).first->second;
+    for (const index_t v : corners) {
+      box[0] = box[0].cwiseMin(mesh.points[v]);
+      box[1] = box[1].cwiseMax(mesh.points[v]);
+    }
+  }
+};
+
+/// Entities and physical groups are numbered from 1.
+inline int msh_tag(index_t label) {
+  return static_cast<int>(label) + 1;
+}
+
+inline void write_msh_entities(OutputFile& file, const MshBlocks& blocks) {
+  std::array<std::uint64_t, 4> n{};
+  for (const auto& [entity, box] : blocks.entities) ++n[static_cast<std::size_t>(entity.first)];
+  file.write("$Entities\n");
+  file.write_values(n.data(), n.size());
+  for (const auto& [entity, box] : blocks.entities) {  // by dimension, then by tag
+    file.write_value(msh_tag(entity.second));
+    file.write_values(box[0].data(), 3);
+    file.write_values(box[1].data(), 3);
+    file.write_value(std::uint64_t{1});
+    file.write_value(msh_tag(entity.second));  // its physical group
+    file.write_value(std::uint64_t{0});        // what bounds it is not written
+  }
+  file.write("\n$EndEntities\n");
+}
+
+inline void write_msh_nodes(OutputFile& file, const MixedMesh& mesh, const MshBlocks& blocks) {
+  const std::uint64_t n = mesh.points.size();
+  const auto owner = blocks.entities.empty() ? std::pair<int, index_t>{3, 0} : blocks.entities.rbegin()->first;
+  file.write("$Nodes\n");
+  const std::array<std::uint64_t, 4> header{1, n, 1, n};
+  file.write_values(header.data(), header.size());
+  // All nodes stand on one volume, so that their order is kept; programs find those of a surface by its elements.
+  const std::array<int, 3> block{owner.first, msh_tag(owner.second), 0};
+  file.write_values(block.data(), block.size());
+  file.write_value(n);
+  for (std::uint64_t tag = 1; tag <= n; ++tag) file.write_value(tag);
+  for (const Vector3& p : mesh.points) file.write_values(p.data(), 3);
+  file.write("\n$EndNodes\n");
+}
+
+inline void write_msh_elements(OutputFile& file, const MshBlocks& blocks) {
+  file.write("$Elements\n");
+  const std::array<std::uint64_t, 4> header{blocks.blocks.size(), blocks.n_elements, 1, blocks.n_elements};
+  file.write_values(header.data(), header.size());
+  std::uint64_t tag = 0;
+  for (const auto& [key, rows] : blocks.blocks) {
+    const std::array<int, 3> block{key.dimension, msh_tag(key.label), key.type};
+    file.write_values(block.data(), block.size());
+    file.write_value(static_cast<std::uint64_t>(rows.size()));
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      file.write_value(++tag);
+      for (const index_t v : rows[row]) file.write_value(std::uint64_t{v} + 1);
+    }
+  }
+  file.write("\n$EndElements\n");
+}
+
+}  // namespace detail
+
+/// Writes a mesh in Gmsh's MSH format, version 4.1, binary.
+///
+/// @param path  the file; appears whole or not at all (`OutputFile`).
+/// @param mesh  each label of regions, faces and edges makes an entity and a physical group of that number plus one
+///              (Gmsh counts from 1), named `region_0`, `patch_0`, `curve_0` and so on.
+/// @throws io_error naming the file.
+/// @par Complexity   O(n log labels); connectivity is held once more in memory.
+/// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
+/// @par Source       Gmsh reference manual, MSH file format version 4.1; its corner order is ours.
+inline void write_msh(const std::filesystem::path& path, const MixedMesh& mesh) {
+  const detail::MshBlocks blocks(mesh);
+  OutputFile file(path);
+  file.write("$MeshFormat\n4.1 1 8\n");
+  file.write_value(1);  // shows the byte order
+  file.write("\n$EndMeshFormat\n$PhysicalNames\n" + std::to_string(blocks.entities.size()) + "\n");
+  constexpr std::array<const char*, 4> prefix{"", "curve_", "patch_", "region_"};
+  for (const auto& [entity, box] : blocks.entities)
+    file.write(std::to_string(entity.first) + " " + std::to_string(detail::msh_tag(entity.second)) + " \"" +
+               prefix[static_cast<std::size_t>(entity.first)] + std::to_string(entity.second) + "\"\n");
+  file.write("$EndPhysicalNames\n");
+  detail::write_msh_entities(file, blocks);
+  detail::write_msh_nodes(file, mesh, blocks);
+  detail::write_msh_elements(file, blocks);
+  file.commit();
+}
+
+}  // namespace framehex

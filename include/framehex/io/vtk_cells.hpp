@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/geometry/cell_kinds.hpp"
+
+#include <array>
+#include <cstdint>
+
+/// VTK's numbers for the cells, and its order of their corners.
+namespace framehex::vtk {
+
+enum CellType : std::uint8_t {
+  vertex = 1,
+  poly_vertex = 2,
+  line = 3,
+  poly_line = 4,
+  triangle = 5,
+  quad = 9,
+  tetrahedron = 10,
+  hexahedron = 12,
+  wedge = 13,
+  pyramid = 14
+};
+
+constexpr CellType cell_type(CellKind kind) {
+  constexpr std::array<CellType, 4> types{tetrahedron, pyramid, wedge, hexahedron};
+  return types[static_cast<std::size_t>(kind)];
+}
+
+/// Our corner that stands at place i of VTK's order, and the other way round: the prism is its own mirror image, since
+/// VTK's manual lets its first triangle look outward where ours looks inward; the others agree.
+constexpr std::size_t corner(CellKind kind, std::size_t i) {
+  constexpr std::array<std::size_t, 6> prism{0, 2, 1, 3, 5, 4};
+  return kind == CellKind::prism ? prism[i] : i;
+}
+
+}  // namespace framehex::vtk

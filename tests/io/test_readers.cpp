@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/mesh/validation.hpp"
+#include "support/four_cells.hpp"
+#include "support/kuhn_lattice.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+using namespace framehex;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Same points, and the same cells with the same labels in any order of cells.
+void check_same(MixedMesh found, MixedMesh expected, bool with_labels) {
+  REQUIRE(found.points.size() == expected.points.size());
+  REQUIRE(found.n_cells() == expected.n_cells());
+  REQUIRE(found.faces.size() == expected.faces.size());
+  REQUIRE(found.edges.size() == expected.edges.size());
+  // Files may number the points anew: compare by coordinates.
+  const auto describe = [&](const MixedMesh& mesh) {
+    const auto corner = [&](index_t v) {
+      const Vector3& p = mesh.points[v];
+      return std::to_string(p.x()) + "," + std::to_string(p.y()) + "," + std::to_string(p.z()) + " ";
+    };
+    std::vector<std::string> all;
+    const auto add = [&](std::string text, std::span<const index_t> corners, index_t label) {
+      for (const index_t v : corners) text += corner(v);
+      if (with_labels) text += std::to_string(label);
+      all.push_back(text);
+    };
+    for (std::size_t c = 0; c < mesh.n_cells(); ++c)
+      add("cell ", mesh.cells[c], mesh.regions.empty() ? 0 : mesh.regions[c]);
+    for (const auto& face : mesh.faces) add("face ", std::span(face.vertices).first(face.size()), face.label);
+    for (const auto& edge : mesh.edges) add("edge ", edge.vertices, edge.label);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  CHECK(describe(found) == describe(expected));
+}
+
+std::string tets_vtk(const std::string& points, const std::string& cells) {
+  return "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n" + points + cells;
+}
+
+}  // namespace
+
+TEST_CASE("what an independent program wrote is read: every format, encoding and version") {
+  const test::TemporaryFolder folder;
+  const std::string command = PYTHON " " IO_SCRIPTS "/write_samples.py " + folder.path().string() + " >/dev/null 2>&1";
+  REQUIRE(std::system(command.c_str()) == 0);
+  for (const char* name : {"ascii.vtu", "raw.vtu", "zlib.vtu", "wide.vtu", "ascii42.vtk", "binary42.vtk", "ascii51.vtk",
+                           "binary51.vtk", "text.mesh", "ascii22.msh", "binary22.msh", "ascii41.msh", "binary41.msh"}) {
+    INFO(name);
+    const MixedMesh mesh = read_mesh(folder / name);
+    check_same(mesh, test::four_cells(), std::string_view(name).find(".vtk") == std::string_view::npos);
+  }
+}
+
+TEST_CASE("what we wrote is read back") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"cells.vtu", "cells.msh", "cells.mesh"}) {
+    INFO(name);
+    write_mesh(folder / name, test::four_cells());
+    check_same(read_mesh(folder / name), test::four_cells(), true);
+  }
+}
+
+TEST_CASE("coordinates survive to the last bit") {
+  const test::TemporaryFolder folder;
+  std::mt19937_64 random(1);
+  MixedMesh mesh = test::four_cells();
+  for (Vector3& p : mesh.points)
+    for (int i = 0; i < 3; ++i)
+      p[i] += std::ldexp(static_cast<double>(random() >> 11), -60 - static_cast<int>(random() % 300));
+  for (const char* name : {"cells.vtu", "cells.msh", "cells.mesh"}) {
+    write_mesh(folder / name, mesh);
+    CHECK(read_mesh(folder / name).points == mesh.points);
+  }
+}
+
+TEST_CASE("prisms that do not follow VTK's manual are turned, all together") {
+  const test::TemporaryFolder folder;
+  const std::string points = "POINTS 6 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 0 1 0 1 1\n", types = "CELL_TYPES 1\n13\n";
+  for (const char* order : {"0 2 1 3 5 4", "0 1 2 3 4 5"}) {
+    const auto file = folder.write("prism.vtk", tets_vtk(points, std::string("CELLS 1 7\n6 ") + order + "\n" + types));
+    const MixedMesh mesh = read_mesh(file);
+    const auto row = mesh.cells[0];
+    CHECK(std::vector<index_t>(row.begin(), row.end()) == std::vector<index_t>{0, 1, 2, 3, 4, 5});
+  }
+}
+
+TEST_CASE("tetrahedra are taken out of a mesh of tetrahedra only") {
+  const IndexedTetMesh lattice = test::kuhn_lattice(2);
+  MixedMesh mesh{.points = lattice.points, .kinds = {}, .cells = {}, .regions = {}, .faces = {}, .edges = {}};
+  for (const auto& tet : lattice.tets) mesh.add(CellKind::tetrahedron, tet);
+  CHECK(tetrahedra_of(mesh).tets == lattice.tets);
+  CHECK_THROWS_WITH(tetrahedra_of(test::four_cells()), Contains("cell 0 is not a tetrahedron"));
+}
+
+TEST_CASE("files that are not what they should be are refused by name and place") {
+  const test::TemporaryFolder folder;
+  const auto message = [&](const char* name, const std::string& bytes) -> std::string {
+    try {
+      read_mesh(folder.write(name, bytes));
+    } catch (const error& e) {
+      std::string text = e.what();
+      CHECK(text.starts_with((folder / name).string() + ": "));
+      CHECK(text.find('\n') == text.npos);
+      return text.substr((folder / name).string().size() + 2);
+    }
+    return "no error";
+  };
+  const std::string points = "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n", types = "CELL_TYPES 1\n10\n";
+
+  CHECK_THROWS_WITH(read_mesh(folder / "none.vtu"), Contains("none.vtu: cannot be read (No such file or directory)"));
+  CHECK_THROWS_WITH(read_mesh(folder / "mesh.xyz"), Contains("mesh.xyz: unknown extension"));
+  std::filesystem::create_directory(folder / "folder.vtu");
+  CHECK_THROWS_WITH(read_mesh(folder / "folder.vtu"), Contains("cannot be read (Is a directory)"));
+
+  for (const char* name : {"a.vtu", "a.vtk", "a.msh", "a.mesh"}) {
+    CHECK(message(name, "") != "no error");
+    CHECK(message(name, "hello\n") != "no error");
+    CHECK(message(name, std::string(1000, '\0')) != "no error");
+  }
+  CHECK(message("a.vtk", "hello\n") == "line 2: not a VTK file");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 5\n4 0 1 2 4\n" + types)) == "cell 0 refers to vertex 4 of 4");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 5\n4 0 1 2 -1\n" + types)) == "cell 0 refers to vertex -1 of 4");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 5\n5 0 1 2 3\n" + types)) == "line 8: CELLS ends within cell 0");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 4\n3 0 1 2\n" + types)) == "cell 0 of VTK type 10 has 3 corners");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n42\n"))
+            .starts_with("cell 0 is of VTK type 42"));
+  CHECK(message("a.vtk", tets_vtk("POINTS 4 float\n0 0 0 1 0 0 0 nan 0 0 0 1\n", "CELLS 1 5\n4 0 1 2 3\n" + types)) ==
+        "vertex 2 has a coordinate that is not finite");
+  CHECK(message("a.vtk", tets_vtk("POINTS 4 float\n0 0 0 1 0 0 0 inf 0 0 0 1\n", "CELLS 1 5\n4 0 1 2 3\n" + types)) ==
+        "vertex 2 has a coordinate that is not finite");
+  CHECK(message("a.vtk", tets_vtk("POINTS 4 float\n0 0 0 1 0 0\n0 abc 0 0 0 1\n", "")) ==
+        "line 7: a coordinate should stand where \"abc\" does");
+  CHECK(message("a.vtk", tets_vtk("POINTS 4000000000000 float\n0 0 0\n", "")) ==
+        "line 5: the number of points is 4000000000000, more than the file can hold");
+  CHECK(message("a.vtk", tets_vtk("POINTS 4 float\n0 0 0 1 0 0\n0", "")) ==
+        "line 7: the file ends where a coordinate should stand");
+  CHECK(message("a.vtk", tets_vtk(points, "CELLS 1 2\n1 0\nCELL_TYPES 1\n1\n")) ==
+        "holds no tetrahedron, pyramid, prism or hexahedron");
+
+  CHECK(message("a.mesh", "MeshVersionFormatted 2\nDimension 2\n") == "line 2: not a mesh in space");
+  CHECK(message("a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 0 0\nTetrahedra\n") ==
+        "line 6: a reference should stand where \"Tetrahedra\" does");
+  CHECK(
+      message("a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 0 0 0\nTetrahedra\n1\n1 1 1 2 0\nEnd\n") ==
+      "cell 0 refers to vertex 1 of 1");
+
+  CHECK(message("a.msh", "$MeshFormat\n1.0 0 8\n$EndMeshFormat\n") ==
+        "line 2: version of the format is neither 2 nor 4.1");
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n7 0 0 0\n$EndNodes\n";
+  CHECK(message("a.msh", head + "$Elements\n1\n3 4 2 1 1 7 7 7 8\n$EndElements\n") ==
+        "element 3 refers to node 8, which does not exist");
+  CHECK(message("a.msh", head + "$Elements\n1\n3 11 2 1 1 7 7 7 8\n$EndElements\n")
+            .starts_with("line 10: element type 11 is not read"));
+  CHECK(message("a.msh", head + "$Comments\nunfinished").starts_with("line 9: the file ends within $Comments"));
+
+  CHECK(message("a.vtu", "<VTKFile type=\"PolyData\"/>") == "not an unstructured grid");
+  CHECK(message("a.vtu", "<VTKFile type=\"UnstructuredGrid\">\n<a>\n</b></VTKFile>").starts_with("line 3: "));
+  CHECK(message("a.vtu", "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkLZMADataCompressor\"></VTKFile>")
+            .starts_with("compressed by vtkLZMADataCompressor"));
+}
+
+TEST_CASE("damaged files are refused or read, never worse", "[robustness]") {
+  const test::TemporaryFolder folder;
+  const std::string command = PYTHON " " IO_SCRIPTS "/write_samples.py " + folder.path().string() + " >/dev/null 2>&1";
+  REQUIRE(std::system(command.c_str()) == 0);
+  write_mesh(folder / "ours.vtu", test::four_cells());
+  std::vector<std::filesystem::path> samples;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) samples.push_back(entry.path());
+  std::sort(samples.begin(), samples.end());
+  std::mt19937_64 random(7);
+  std::size_t n_refused = 0, n_read = 0;
+  const auto attempt = [&](const std::string& name, const std::string& bytes) {
+    try {
+      const MixedMesh mesh = read_mesh(folder.write(name, bytes));
+      for (const index_t v : mesh.cells.values) REQUIRE(v < mesh.points.size());
+      ++n_read;
+    } catch (const error& e) {
+      REQUIRE(std::string_view(e.what()).find(name) != std::string_view::npos);
+      ++n_refused;
+    }
+  };
+  for (const auto& sample : samples) {
+    INFO(sample);
+    const std::string bytes = read_file(sample), name = "damaged" + sample.extension().string();
+    for (std::size_t i = 0; i < 60; ++i) attempt(name, bytes.substr(0, bytes.size() * i / 60));
+    for (int i = 0; i < 200; ++i) {
+      std::string damaged = bytes;
+      for (std::size_t n = 1 + random() % 4; n > 0; --n) {
+        const std::size_t at = random() % damaged.size();
+        switch (random() % 4) {
+          case 0: damaged[at] = static_cast<char>(random()); break;
+          case 1: damaged.erase(at, random() % 9); break;
+          case 2: damaged.insert(at, 1, static_cast<char>('0' + random() % 10)); break;
+          default: damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
+        }
+      }
+      attempt(name, damaged);
+    }
+  }
+  CHECK(n_refused > samples.size() * 100);
+  CHECK(n_read > 0);
+}

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/assimp_surface.hpp"
+#include "framehex/mesh/validation.hpp"
+#include "support/surfaces.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+using namespace framehex;
+using Catch::Matchers::Contains;
+
+namespace {
+
+using Triangles = std::vector<std::array<index_t, 3>>;
+
+std::string number(double x) {
+  if (std::isnan(x)) return "nan";
+  if (std::isinf(x)) return "inf";
+  return std::to_string(x);
+}
+
+std::string row(const Vector3& p) {
+  return number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
+}
+
+std::string ascii_stl(const IndexedTriangleMesh& mesh) {
+  std::string text = "solid test\n";
+  for (const auto& t : mesh.triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const index_t v : t) text += "vertex " + row(mesh.points[v]);
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid test\n";
+}
+
+std::string binary_stl(const IndexedTriangleMesh& mesh) {
+  std::string bytes(80, ' ');
+  const auto put = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const auto& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) put(0.0F);
+    for (const index_t v : t)
+      for (int i = 0; i < 3; ++i) put(static_cast<float>(mesh.points[v][i]));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+
+std::string obj(const IndexedTriangleMesh& mesh) {
+  std::string text = "# test\n";
+  for (const Vector3& p : mesh.points) text += "v " + row(p);
+  for (const auto& t : mesh.triangles) {
+    text += "f";
+    for (const index_t v : t) text += " " + std::to_string(v + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string off_rows(const IndexedTriangleMesh& mesh) {
+  std::string text;
+  for (const Vector3& p : mesh.points) text += row(p);
+  for (const auto& t : mesh.triangles) {
+    text += "3";
+    for (const index_t v : t) text += " " + std::to_string(v);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string off(const IndexedTriangleMesh& mesh) {
+  return "OFF\n" + std::to_string(mesh.points.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n" +
+         off_rows(mesh);
+}
+
+std::string ply(const IndexedTriangleMesh& mesh) {
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+         std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n" +
+         off_rows(mesh);
+}
+
+/// Volume by the divergence theorem.
+double enclosed_volume(const IndexedTriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) sum += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+  return sum / 6;
+}
+
+void turn(IndexedTriangleMesh& mesh, std::size_t triangle) {
+  std::swap(mesh.triangles[triangle][0], mesh.triangles[triangle][1]);
+}
+
+IndexedTriangleMesh nested_boxes(double inner) {
+  IndexedTriangleMesh mesh = test::box_surface({1, 1, 1});
+  const IndexedTriangleMesh small = test::box_surface({inner, inner, inner});
+  const auto first = static_cast<index_t>(mesh.points.size());
+  for (const Vector3& p : small.points) mesh.points.push_back(p + Vector3::Constant((1 - inner) / 2));
+  for (const auto& t : small.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("every format of surface is read, welded, and closed") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 2, 3}, 2, 2, 2);
+  folder.write("ascii.stl", ascii_stl(box));
+  folder.write("binary.stl", binary_stl(box));
+  folder.write("box.obj", obj(box));
+  folder.write("box.OFF", off(box));
+  folder.write("box.ply", ply(box));
+  for (const char* name : {"ascii.stl", "binary.stl", "box.obj", "box.OFF", "box.ply"}) {
+    INFO(name);
+    const SoupSurface read = read_surface(folder / name);
+    CHECK(read.surface.points.size() == 26);
+    CHECK(read.surface.triangles.size() == 48);
+    CHECK(read.n_turned_triangles == 0);
+    CHECK(read.n_dropped_triangles == 0);
+    CHECK(!read.welded_by_tolerance);
+    CHECK_NOTHROW(validate_closed(read.surface));
+    CHECK(enclosed_volume(read.surface) == Approx(6));
+  }
+}
+
+TEST_CASE("the bunny is read") {
+  const SoupSurface bunny = read_surface(EXAMPLE_DATA "/bunny.stl");
+  CHECK(bunny.surface.triangles.size() == 3674);
+  CHECK_NOTHROW(validate_closed(bunny.surface));
+  CHECK(enclosed_volume(bunny.surface) == Approx(194.29).epsilon(1e-4));
+}
+
+TEST_CASE("polygons are cut into triangles") {
+  const test::TemporaryFolder folder;
+  const SoupSurface cube =
+      read_surface(folder.write("cube.obj",
+                                "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                                "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"));
+  CHECK(cube.surface.triangles.size() == 12);
+  CHECK_NOTHROW(validate_closed(cube.surface));
+  CHECK(enclosed_volume(cube.surface) == Approx(1));
+}
+
+TEST_CASE("polygons that are not convex are cut inside") {
+  // A comb of teeth, its corners in a plane askew, starting at each of them.
+  std::vector<Eigen::Vector2d> comb{{0, 0}, {5, 0}, {5, 3}, {4, 1}, {3, 3}, {2, 1}, {1, 3}};
+  double area = 0;
+  for (std::size_t i = 0; i < comb.size(); ++i) {
+    const auto &a = comb[i], &b = comb[(i + 1) % comb.size()];
+    area += (a.x() * b.y() - a.y() * b.x()) / 2;
+  }
+  for (std::size_t start = 0; start < comb.size(); ++start) {
+    IndexedTriangleMesh soup;
+    std::vector<index_t> polygon;
+    for (std::size_t i = 0; i < comb.size(); ++i) {
+      const auto& p = comb[(start + i) % comb.size()];
+      soup.points.emplace_back(p.x(), p.y(), p.x() - p.y());
+      polygon.push_back(static_cast<index_t>(i));
+    }
+    append_polygon(soup, polygon);
+    REQUIRE(soup.triangles.size() == 5);
+    double sum = 0;
+    for (const auto& t : soup.triangles) {
+      const Vector3 u = soup.points[t[1]] - soup.points[t[0]], v = soup.points[t[2]] - soup.points[t[0]];
+      CHECK(u.cross(v).z() > 0);
+      sum += u.cross(v).z() / 2;
+    }
+    CHECK(sum == Approx(area));
+  }
+}
+
+TEST_CASE("triangles of mixed orientation are turned outward and counted") {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 20; ++round) {
+    IndexedTriangleMesh sphere = test::sphere_surface(1, 1);
+    std::size_t n_turned = 0;
+    for (std::size_t t = 0; t < sphere.triangles.size(); ++t)
+      if (round == 0 || random() % 3 == 0) {
+        turn(sphere, t);
+        ++n_turned;
+      }
+    const SoupSurface result = surface_of_soup(sphere);
+    CHECK(result.n_turned_triangles == n_turned);
+    CHECK_NOTHROW(validate_closed(result.surface));
+    CHECK(enclosed_volume(result.surface) > 0);
+  }
+}
+
+TEST_CASE("cavities look inward") {
+  const double expected = 1 - 0.125;
+  IndexedTriangleMesh boxes = nested_boxes(0.5);  // the inner one turned like the outer one
+  const SoupSurface result = surface_of_soup(boxes);
+  CHECK(result.n_turned_triangles == 12);
+  CHECK(enclosed_volume(result.surface) == Approx(expected));
+  CHECK(surface_of_soup(result.surface).n_turned_triangles == 0);
+  turn(boxes, 3);
+  turn(boxes, 20);
+  CHECK(enclosed_volume(surface_of_soup(boxes).surface) == Approx(expected));
+}
+
+TEST_CASE("vertices that differ by rounding are welded where that closes the surface, and only there") {
+  std::mt19937_64 random(5);
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1}, 3, 3, 3);
+  IndexedTriangleMesh soup;
+  for (const auto& t : box.triangles) {
+    const auto first = static_cast<index_t>(soup.points.size());
+    for (const index_t v : t) {
+      const double noise = 1e-8 * static_cast<double>(random() % 10);
+      soup.points.push_back(box.points[v] + Vector3::Constant(noise));
+    }
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  const SoupSurface result = surface_of_soup(soup);
+  CHECK(result.welded_by_tolerance);
+  CHECK(result.surface.points.size() == box.points.size());
+  CHECK_NOTHROW(validate_closed(result.surface));
+
+  // A needle thinner than the tolerance survives when the surface is closed as it is.
+  IndexedTriangleMesh needle = test::box_surface({1, 1, 1e-9});
+  CHECK(surface_of_soup(needle).surface.points.size() == 8);
+}
+
+TEST_CASE("triangles that lose a corner by welding are dropped and counted") {
+  IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  box.points.push_back(box.points[2]);
+  box.triangles.push_back({2, static_cast<index_t>(box.points.size() - 1), 3});
+  const SoupSurface result = surface_of_soup(box);
+  CHECK(result.n_dropped_triangles == 1);
+  CHECK_NOTHROW(validate_closed(result.surface));
+}
+
+TEST_CASE("a coordinate that is not finite is refused with file, vertex and triangle") {
+  const test::TemporaryFolder folder;
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+    box.points[6].y() = bad;
+    folder.write("ascii.stl", ascii_stl(box));
+    folder.write("binary.stl", binary_stl(box));
+    folder.write("box.obj", obj(box));
+    folder.write("box.off", off(box));
+    folder.write("box.ply", ply(box));
+    for (const char* name : {"ascii.stl", "binary.stl", "box.obj", "box.off", "box.ply"}) {
+      INFO(name);
+      CHECK_THROWS_AS(read_surface(folder / name), invalid_coordinate);
+      CHECK_THROWS_WITH(read_surface(folder / name), Contains(std::string(name) + ": vertex") && Contains("triangle"));
+    }
+  }
+}
+
+TEST_CASE("what is no surface is refused by name, in one line") {
+  const test::TemporaryFolder folder;
+  const auto message = [&](const std::filesystem::path& path) -> std::string {
+    try {
+      read_surface(path);
+    } catch (const error& e) {
+      const std::string text = e.what();
+      CHECK(text.starts_with(path.string() + ": "));
+      CHECK(text.find('\n') == text.npos);
+      CHECK(text.find("$$$") == text.npos);
+      return text.substr(path.string().size() + 2);
+    }
+    return "no error";
+  };
+  CHECK(message(folder / "none.stl") == "cannot be read (No such file or directory)");
+  CHECK(message(folder.path()).starts_with("unknown extension"));
+  CHECK(message(folder.write("surface.step", "")).starts_with("unknown extension of a surface"));
+  for (const char* name : {"a.stl", "a.obj", "a.off", "a.ply"}) {
+    INFO(name);
+    CHECK(message(folder.write(name, "")) == "is empty");
+    CHECK(message(folder.write(name, "hello\n")) != "no error");
+    CHECK(message(folder.write(name, std::string(500, '\xff'))) != "no error");
+  }
+  CHECK(message(folder.write("none.stl", "solid x\nendsolid x\n")) != "no error");
+  IndexedTriangleMesh bad = test::box_surface({1, 1, 1});
+  bad.triangles.push_back({0, 1, 20});
+  CHECK(message(folder.write("range.obj", obj(bad))) != "no error");
+  CHECK(message(folder.write("range.ply", ply(bad))) == "polygon 12 refers to vertex 20 of 8");
+}
+
+TEST_CASE("damaged surfaces are refused or read, never worse", "[robustness]") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  const std::vector<std::pair<std::string, std::string>> samples{{"ascii.stl", ascii_stl(box)},
+                                                                 {"binary.stl", binary_stl(box)},
+                                                                 {"box.obj", obj(box)},
+                                                                 {"box.off", off(box)},
+                                                                 {"box.ply", ply(box)}};
+  std::mt19937_64 random(11);
+  for (const auto& [name, bytes] : samples)
+    for (std::size_t i = 0; i < 100; ++i) {
+      std::string damaged = i < 50 ? bytes.substr(0, bytes.size() * i / 50) : bytes;
+      if (i >= 50) damaged[random() % damaged.size()] = static_cast<char>(random());
+      try {
+        const SoupSurface read = read_surface(folder.write(name, damaged));
+        for (const auto& t : read.surface.triangles)
+          for (const index_t v : t) REQUIRE(v < read.surface.points.size());
+      } catch (const error& e) {
+        CHECK_THAT(e.what(), Contains(name));
+      }
+    }
+}
