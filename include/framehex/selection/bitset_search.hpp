@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/config.hpp"
+#include "framehex/selection/deadline.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +20,7 @@ namespace framehex::detail {
 /// instead. Reusable: `assign` keeps the memory.
 class BitsetSearch {
 public:
-  enum class Outcome { complete, node_limit };
+  enum class Outcome { complete, limit };
 
   /// @param n  number of vertices; conflicts are added after.
   void assign(std::span<const std::int64_t> weights) {
@@ -37,8 +38,9 @@ public:
   }
 
   /// Looks for a set heavier than `floor`.
-  /// @return node_limit when the limit came first: what `members` holds is then not proven.
-  Outcome solve(std::int64_t floor, std::size_t max_nodes) {
+  /// @return `limit` when the limit of nodes or the deadline came first: what `members` holds is then not proven.
+  Outcome solve(std::int64_t floor, std::size_t max_nodes, Deadline* deadline = nullptr) {
+    deadline_ = deadline;
     best_weight_ = floor;
     max_nodes_ = max_nodes;
     stopped_ = false;
@@ -47,7 +49,7 @@ public:
     for (std::size_t v = 0; v < n_; ++v) set(levels_[0].open.data(), v);
     chosen_.clear();
     expand(0, 0);
-    return stopped_ ? Outcome::node_limit : Outcome::complete;
+    return stopped_ ? Outcome::limit : Outcome::complete;
   }
 
   /// Heaviest set found, of local numbers; empty when none is heavier than the floor.
@@ -57,7 +59,7 @@ public:
 
 private:
   struct Level {
-    std::vector<std::uint64_t> open, branch, rest, clique;
+    std::vector<std::uint64_t> open, branch, rest;
     std::vector<std::int64_t> residual;
   };
 
@@ -121,7 +123,7 @@ private:
   }
 
   void expand(std::size_t depth, std::int64_t weight) {
-    if (++n_nodes_ > max_nodes_) {
+    if (++n_nodes_ > max_nodes_ || (deadline_ && n_nodes_ % 64 == 0 && deadline_->passed())) {
       stopped_ = true;
       return;
     }
@@ -135,7 +137,6 @@ private:
     }
     choose_branches(levels_[depth], best_weight_ - weight);
     if (count(levels_[depth].branch) > 2) choose_pivot(levels_[depth]);
-    order_.clear();
     const std::size_t first = order_stack_.size();
     for_each(levels_[depth].branch, [&](std::size_t v) { order_stack_.push_back(static_cast<index_t>(v)); });
     const std::size_t last = order_stack_.size();
@@ -158,9 +159,10 @@ private:
   std::vector<std::int64_t> weights_;
   std::vector<std::uint64_t> adjacency_;
   std::vector<Level> levels_;
-  std::vector<index_t> chosen_, best_, clique_, order_, order_stack_;
+  std::vector<index_t> chosen_, best_, clique_, order_stack_;
   std::int64_t best_weight_ = 0;
   std::size_t n_nodes_ = 0, max_nodes_ = 0;
+  Deadline* deadline_ = nullptr;
   bool stopped_ = false;
 };
 

@@ -23,8 +23,10 @@ inline std::vector<index_t> select_greedily(const IncompatibilityGraph& graph) {
 ///
 /// @return the members, ascending: a maximal independent set, usually much heavier than the greedy one.
 /// @par Complexity   O((n + conflicts) log n); 24 bytes a candidate.
+/// @param stop  asked for each member; when it says so, the rest is filled up by weight.
 /// @par Determinism  Equal shares by number.
-inline std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph) {
+template <class Stop>
+std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph, Stop&& stop) {
   const auto n = static_cast<index_t>(graph.size());
   const auto weights = graph.weights_in_units();
   // A zero weight must not make a share of 0/0, and must still be taken in the end.
@@ -40,7 +42,7 @@ inline std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph
   detail::IndexedMaxHeap heap(std::move(keys));
   std::vector<index_t> members, touched;
   std::vector<index_t> touched_by(n, no_index);
-  while (!heap.empty()) {
+  while (!heap.empty() && !stop()) {
     const index_t chosen = heap.pop();
     members.push_back(chosen);
     touched.clear();
@@ -60,8 +62,12 @@ inline std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph
     for (std::size_t i = n_removed; i < touched.size(); ++i)
       heap.raise(touched[i], share(touched[i], closed_weight[touched[i]]));
   }
-  std::sort(members.begin(), members.end());
+  detail::complete(graph, members);
   return members;
+}
+
+inline std::vector<index_t> select_dynamically(const IncompatibilityGraph& graph) {
+  return select_dynamically(graph, [] { return false; });
 }
 
 }  // namespace framehex

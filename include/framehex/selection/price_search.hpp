@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/selection/deadline.hpp"
 #include "framehex/selection/lp_bound.hpp"
 
 namespace framehex::detail {
@@ -33,10 +34,11 @@ public:
     budget_ = total_ - known * (std::int64_t{1} << bits_);
   }
 
+  enum class Effort { cheap, probing };
+
   /// Settles the candidates that the budget decides; `probing` also tries each of the open ones, in and out.
   /// @return false when no heavier selection exists.
-  enum class Effort { cheap, probing };
-  bool settle(Effort effort) {
+  bool settle(Effort effort, Deadline& deadline) {
     for (index_t v = 0; v < graph_.size(); ++v) {
       if (fate_[v] != Fate::open) continue;
       if (-rest_[v] >= budget_ - loss_)
@@ -46,7 +48,7 @@ public:
     }
     if (!propagate()) return false;
     if (effort == Effort::probing)
-      for (index_t v = 0; v < graph_.size(); ++v)
+      for (index_t v = 0; v < graph_.size() && !deadline.passed(); ++v)
         if (fate_[v] == Fate::open && !probe(v)) return false;
     trail_.clear();
     return true;
@@ -56,7 +58,8 @@ public:
 
   /// Completes the search. @return true when it ended before the limit: `members()` is then the heaviest selection
   /// that is heavier than the known one, or empty when there is none.
-  bool run(std::size_t max_nodes) {
+  bool run(std::size_t max_nodes, Deadline& deadline) {
+    deadline_ = &deadline;
     n_nodes_ = 0;
     max_nodes_ = max_nodes;
     stopped_ = false;
@@ -155,7 +158,7 @@ private:
   }
 
   void expand() {
-    if (++n_nodes_ > max_nodes_) {
+    if (++n_nodes_ > max_nodes_ || deadline_->passed()) {
       stopped_ = true;
       return;
     }
@@ -200,6 +203,7 @@ private:
   std::vector<Fate> fate_;
   std::vector<std::uint8_t> filled_;
   std::vector<index_t> n_open_, live_, trail_, last_chance_, stack_, best_;
+  Deadline* deadline_ = nullptr;
   std::size_t n_nodes_ = 0, max_nodes_ = 0;
   bool stopped_ = false, found_ = false;
 };

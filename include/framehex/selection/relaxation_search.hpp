@@ -102,8 +102,8 @@ private:
     improve(graph, relaxation.primal(), ids, taken);
     const auto prices = relaxation.prices();
     PriceSearch search(graph, relaxation.cover(), prices, best_weight_ - weight_in_units(graph_, taken));
-    if (!search.settle(PriceSearch::Effort::probing)) return;
-    const bool ended = search.run(limits_.max_price_nodes);
+    if (!search.settle(PriceSearch::Effort::probing, deadline_)) return;
+    const bool ended = search.run(limits_.max_price_nodes, deadline_);
     n_iterations_ += search.n_nodes();
     if (search.found()) accept(search.members(), ids, taken);
     if (ended) return;

@@ -41,7 +41,7 @@ public:
   Selection run() {
     Selection result;
     std::int64_t bound = partition_bound(graph_);
-    result.members = select_dynamically(graph_);
+    result.members = select_dynamically(graph_, [this] { return deadline_.passed(); });
     std::int64_t weight = weight_in_units(graph_, result.members);
     if (weight < bound && !deadline_.passed()) {
       IteratedSearch search(graph_, result.members, options_.seed);

@@ -24,6 +24,28 @@ inline IncompatibilityGraph induced_subgraph(const IncompatibilityGraph& graph, 
   return GraphAccess::unchecked(std::move(rows), std::move(weights));
 }
 
+/// The connected components among some candidates, each ascending, by their smallest member.
+inline Csr<index_t> components(const IncompatibilityGraph& graph, std::span<const index_t> kept) {
+  std::vector<std::uint8_t> open(graph.size(), 0);
+  for (const index_t v : kept) open[v] = 1;
+  Csr<index_t> parts;
+  for (const index_t root : kept) {
+    if (!open[root]) continue;
+    const std::size_t first = parts.values.size();
+    parts.values.push_back(root);
+    open[root] = 0;
+    for (std::size_t next = first; next < parts.values.size(); ++next)
+      for (const index_t u : graph.neighbours(parts.values[next]))
+        if (open[u]) {
+          open[u] = 0;
+          parts.values.push_back(u);
+        }
+    std::sort(parts.values.begin() + static_cast<std::ptrdiff_t>(first), parts.values.end());
+    parts.end_row();
+  }
+  return parts;
+}
+
 /// The part of a cover, with its prices, that concerns some candidates; cliques of fewer than two of them fall away.
 struct CoverPart {
   CliqueCover cover;
