@@ -56,7 +56,8 @@ inline SoupSurface read_surface(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
   if (bytes.empty()) throw io_error(name + ": is empty");
   // assimp 5.2 never returns from a PLY file that ends within its header.
-  if (extension == ".ply" && bytes.find("end_header") == bytes.npos) throw io_error(name + ": the header does not end");
+  if (extension == ".ply" && bytes.find("\nend_header\n") == bytes.npos && bytes.find("\nend_header\r") == bytes.npos)
+    throw io_error(name + ": the header does not end");
 
   Assimp::Importer importer;
   // Without any of assimp's later steps: they drop, merge, turn and move what the caller wants to hear of, and some
