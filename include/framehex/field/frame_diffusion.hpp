@@ -17,7 +17,7 @@ struct DiffusionOptions {
   int max_steps = 12;       ///< of diffusion and projection after the start; 0: the start only
   double time_factor = 50;  ///< step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
   double settled = 1e-3;    ///< ends when the root mean square of the change of a step is less (rad)
-  double tolerance = 1e-4;  ///< relative, of the linear solves
+  double tolerance = 1e-3;  ///< relative, of the linear solves
   Observer observer = {};
 };
 
@@ -29,9 +29,11 @@ struct DiffusionReport {
 
 namespace detail {
 
-/// The field as nine coefficients per vertex, under its constraints.
+/// The field as nine coefficients per vertex, under its constraints; numbered by the rows of the Laplacian.
 template <class E>
 class FrameDiffusion {
+  using Coefficients = Eigen::Matrix<float, 9, 1>;
+
 public:
   FrameDiffusion(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<Quaternion> frames,
                  std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
@@ -42,13 +44,14 @@ public:
         axes_(axes),
         options_(options),
         executor_(executor),
-        values_(frames.size()) {
-    slot_.assign(frames.size(), no_index);
-    for (std::size_t v = 0; v < frames.size(); ++v)
-      if (constraints[v] == FrameConstraint::axis) {
-        slot_[v] = static_cast<index_t>(circles_.size());
-        circles_.emplace_back(frames[v], axes[v]);
-      }
+        values_(frames.size()),
+        slot_(frames.size(), no_index) {
+    for (std::size_t row = 0; row < slot_.size(); ++row) {
+      const index_t v = system_.order[row];
+      if (constraints[v] != FrameConstraint::axis) continue;
+      slot_[row] = static_cast<index_t>(circles_.size());
+      circles_.emplace_back(frames[v], axes[v]);
+    }
   }
 
   DiffusionReport run() {
@@ -77,22 +80,26 @@ public:
 private:
   void encode() {
     for_blocks(executor_, values_.size(), block_size, [&](std::size_t first, std::size_t last) {
-      for (std::size_t v = first; v < last; ++v) values_[v] = frame_quartic(frames_[v]);
+      for (std::size_t row = first; row < last; ++row)
+        values_[row] = frame_quartic(frames_[system_.order[row]]).template cast<float>();
     });
   }
 
   bool solve(double mass_factor, double progress_from, double progress_to) {
-    const std::vector<Quartic> source = mass_factor > 0 ? values_ : std::vector<Quartic>{};
-    const auto load = [&](std::size_t v) -> Quartic {
-      return mass_factor > 0 ? Quartic(mass_factor * system_.masses[v] * source[v]) : Quartic(Quartic::Zero());
+    const std::vector<Coefficients> source = mass_factor > 0 ? values_ : std::vector<Coefficients>{};
+    const auto load = [&](std::size_t row) -> Coefficients {
+      if (source.empty()) return Coefficients::Zero();
+      return static_cast<float>(mass_factor * system_.masses[row]) * source[row];
     };
-    const auto restrict = [&](std::size_t v, Quartic& value) {
-      if (constraints_[v] == FrameConstraint::fixed) {
+    const auto restrict = [&](std::size_t row, Coefficients& value) {
+      const FrameConstraint constraint = constraints_[system_.order[row]];
+      if (constraint == FrameConstraint::fixed) {
         value.setZero();
-      } else if (constraints_[v] == FrameConstraint::axis) {
-        const AxisQuartics& c = circles_[slot_[v]];
+      } else if (constraint == FrameConstraint::axis) {
+        const AxisQuartics& c = circles_[slot_[row]];
+        const Quartic wide = value.template cast<double>();
         // cosine and sine have the squared length 5/12.
-        value = c.cosine * (c.cosine.dot(value) * 2.4) + c.sine * (c.sine.dot(value) * 2.4);
+        value = (c.cosine * (c.cosine.dot(wide) * 2.4) + c.sine * (c.sine.dot(wide) * 2.4)).template cast<float>();
       }
     };
     const auto proceed = [&](int iteration) {
@@ -108,21 +115,22 @@ private:
   double project(DiffusionStart start) {
     std::vector<double> changes(values_.size(), 0.0);
     for_blocks(executor_, values_.size(), block_size, [&](std::size_t first, std::size_t last) {
-      for (std::size_t v = first; v < last; ++v) {
+      for (std::size_t row = first; row < last; ++row) {
+        const index_t v = system_.order[row];
         if (constraints_[v] == FrameConstraint::fixed) continue;
         const Quaternion before = frames_[v];
+        const Quartic q = values_[row].template cast<double>();
         if (constraints_[v] == FrameConstraint::axis)
-          frames_[v] = circles_[slot_[v]].nearest(values_[v], axes_[v]);
+          frames_[v] = circles_[slot_[row]].nearest(q, axes_[v]);
         else
-          frames_[v] =
-              start == DiffusionStart::harmonic ? nearest_frame(values_[v]) : nearest_frame(values_[v], before);
-        changes[v] = CubeRotationGroup<>::angle(before, frames_[v]);
+          frames_[v] = start == DiffusionStart::harmonic ? nearest_frame(q) : nearest_frame(q, before);
+        changes[row] = CubeRotationGroup<>::angle(before, frames_[v]);
       }
     });
     double sum = 0, mass = 0;
-    for (std::size_t v = 0; v < changes.size(); ++v) {
-      sum += system_.masses[v] * changes[v] * changes[v];
-      mass += system_.masses[v];
+    for (std::size_t row = 0; row < changes.size(); ++row) {
+      sum += system_.masses[row] * changes[row] * changes[row];
+      mass += system_.masses[row];
     }
     return mass > 0 ? std::sqrt(sum / mass) : 0;
   }
@@ -133,8 +141,8 @@ private:
   std::span<const Vector3> axes_;
   const DiffusionOptions& options_;
   const E& executor_;
-  std::vector<Quartic> values_;
-  std::vector<index_t> slot_;          ///< vertex -> circle
+  std::vector<Coefficients> values_;
+  std::vector<index_t> slot_;          ///< row -> circle
   std::vector<AxisQuartics> circles_;  ///< of the vertices with an axis
 };
 

@@ -4,25 +4,72 @@
 #include "framehex/field/frame_measures.hpp"
 #include "framehex/observer.hpp"
 
+#include <limits>
+#include <utility>
+
 namespace framehex::detail {
 
-/// The Laplacian of a mesh as a weighted graph, and the volume of each vertex.
-struct LaplaceSystem {
-  const Csr<index_t>* ring = nullptr;
-  std::vector<double> weights;   ///< per directed edge, length; see dirichlet_weights
-  std::vector<double> diagonal;  ///< sums of the rows
-  std::vector<double> masses;    ///< per vertex, volume
+/// Vertices along a space-filling curve (Morton's), so that neighbours in the mesh are near in memory.
+inline std::vector<index_t> spatial_order(std::span<const Vector3> points) {
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vector3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double extent = points.empty() ? 0 : (high - low).maxCoeff(), scale = extent > 0 ? 2097151 / extent : 0;
+  std::vector<std::pair<std::uint64_t, index_t>> keys(points.size());
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) {
+      auto x = static_cast<std::uint64_t>((points[v][i] - low[i]) * scale);  // 21 bits, spread to every third
+      x = (x | x << 32) & 0x1f00000000ffff;
+      x = (x | x << 16) & 0x1f0000ff0000ff;
+      x = (x | x << 8) & 0x100f00f00f00f00f;
+      x = (x | x << 4) & 0x10c30c30c30c30c3;
+      x = (x | x << 2) & 0x1249249249249249;
+      key |= x << i;
+    }
+    keys[v] = {key, static_cast<index_t>(v)};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<index_t> order(points.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
+  return order;
+}
 
-  LaplaceSystem(const TetAdjacency& adjacency, std::span<const Vector3> points)
-      : ring(&adjacency.vertices_of_vertex), weights(dirichlet_weights(adjacency, points)) {
-    diagonal.assign(ring->size(), 0.0);
-    masses.assign(ring->size(), 0.0);
-    for (std::size_t v = 0; v < ring->size(); ++v)
-      for (offset_t s = ring->offsets[v]; s < ring->offsets[v + 1]; ++s) diagonal[v] += weights[s];
+/// The Laplacian of a mesh as a weighted graph, and the volume of each vertex; both along a space-filling curve, by
+/// "rows".
+struct LaplaceSystem {
+  std::vector<index_t> order;    ///< row -> vertex
+  Csr<index_t> ring;             ///< neighbours of each row, as rows
+  std::vector<float> weights;    ///< per directed edge, length; see dirichlet_weights
+  std::vector<double> diagonal;  ///< sums of the rows
+  std::vector<double> masses;    ///< per row, volume
+
+  LaplaceSystem(const TetAdjacency& adjacency, std::span<const Vector3> points) : order(spatial_order(points)) {
+    const Csr<index_t>& source = adjacency.vertices_of_vertex;
+    const std::vector<double> by_vertex = dirichlet_weights(adjacency, points);
+    std::vector<double> volume(points.size(), 0.0);
     for (const auto& t : adjacency.tets) {
       const Vector3& a = points[t[0]];
       const double quarter = std::abs((points[t[1]] - a).cross(points[t[2]] - a).dot(points[t[3]] - a)) / 24;
-      for (const index_t v : t) masses[v] += quarter;
+      for (const index_t v : t) volume[v] += quarter;
+    }
+    std::vector<index_t> row_of(points.size());
+    for (index_t row = 0; row < order.size(); ++row) row_of[order[row]] = row;
+    ring.offsets.reserve(source.offsets.size());
+    ring.values.reserve(source.values.size());
+    weights.reserve(source.values.size());
+    for (const index_t v : order) {
+      double sum = 0;
+      for (offset_t s = source.offsets[v]; s < source.offsets[v + 1]; ++s) {
+        ring.values.push_back(row_of[source.values[s]]);
+        weights.push_back(static_cast<float>(by_vertex[s]));
+        sum += weights.back();
+      }
+      ring.end_row();
+      diagonal.push_back(sum);
+      masses.push_back(volume[v]);
     }
   }
 };
@@ -40,13 +87,18 @@ struct SolveOptions {
 /// Solves P ((L + f M) x - load) = 0 for x in x0 + range P, with P = diag(project). No matrix is stored. Sums are taken
 /// block by block in a fixed order, so the result does not depend on the executor.
 ///
-/// @tparam Value    Eigen column vector of fixed size.
+/// @tparam Value    Eigen column vector of fixed size; float halves the memory traffic, and is enough for a tolerance
+/// of
+///                  1e-4.
+/// Everything is numbered by the rows of the system.
 /// @param load      `load(v)` -> Value.
 /// @param project   `project(v, value)` orthogonal projection, in place (zero where the vertex is fixed).
 /// @param proceed   asked now and then; false cancels.
 /// @par Complexity  O(edges) an iteration; O(n^(1/3)) iterations for f = 0.
 template <class Value, class Load, class Project, class Proceed, class E>
 class ConjugateGradients {
+  using Scalar = typename Value::Scalar;
+
 public:
   ConjugateGradients(const LaplaceSystem& system, const Project& project, const Proceed& proceed, const E& executor)
       : system_(system), project_(project), proceed_(proceed), executor_(executor) {}
@@ -63,10 +115,10 @@ public:
       Value r = load(v) - row(x, v);
       project_(v, r);
       residual_[v] = r;
-      direction_[v] = r / preconditioner(v);
-      return r.dot(direction_[v]);
+      direction_[v] = r / static_cast<Scalar>(preconditioner(v));
+      return static_cast<double>(r.dot(direction_[v]));
     });
-    scale = sum([&](std::size_t v) { return x[v].squaredNorm() * preconditioner(v); });
+    scale = sum([&](std::size_t v) { return static_cast<double>(x[v].squaredNorm()) * preconditioner(v); });
     const double target = options.tolerance * options.tolerance * scale;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
       if (!(rho > target)) return SolveStatus::converged;
@@ -75,20 +127,21 @@ public:
         Value q = row(direction_, v);
         project_(v, q);
         image_[v] = q;
-        return q.dot(direction_[v]);
+        return static_cast<double>(q.dot(direction_[v]));
       });
       if (!(curvature > 0)) return SolveStatus::converged;
       const double alpha = rho / curvature;
       const double next = sum([&](std::size_t v) {
-        x[v] += alpha * direction_[v];
-        residual_[v] -= alpha * image_[v];
-        return residual_[v].squaredNorm() / preconditioner(v);
+        x[v] += static_cast<Scalar>(alpha) * direction_[v];
+        residual_[v] -= static_cast<Scalar>(alpha) * image_[v];
+        return static_cast<double>(residual_[v].squaredNorm()) / preconditioner(v);
       });
       const double beta = next / rho;
       rho = next;
       for_blocks(executor_, n_, block_size, [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v)
-          direction_[v] = residual_[v] / preconditioner(v) + beta * direction_[v];
+          direction_[v] =
+              residual_[v] / static_cast<Scalar>(preconditioner(v)) + static_cast<Scalar>(beta) * direction_[v];
       });
     }
     return SolveStatus::iteration_limit;
@@ -101,8 +154,8 @@ private:
   }
 
   Value row(const std::vector<Value>& x, std::size_t v) const {
-    const Csr<index_t>& ring = *system_.ring;
-    Value sum = (system_.diagonal[v] + factor_ * system_.masses[v]) * x[v];
+    const Csr<index_t>& ring = system_.ring;
+    Value sum = static_cast<Scalar>(system_.diagonal[v] + factor_ * system_.masses[v]) * x[v];
     for (offset_t s = ring.offsets[v]; s < ring.offsets[v + 1]; ++s) sum -= system_.weights[s] * x[ring.values[s]];
     return sum;
   }
@@ -147,14 +200,14 @@ double first_eigenvalue(const LaplaceSystem& system, std::span<const FrameConstr
   double volume = 0, reach = 0;
   for (std::size_t v = 0; v < u.size(); ++v) {
     volume += system.masses[v];
-    if (constraints[v] == FrameConstraint::none) u[v][0] = 1;
+    if (constraints[system.order[v]] == FrameConstraint::none) u[v][0] = 1;
   }
   if (!(volume > 0)) return 1;
   // The shift keeps parts without a pinned vertex finite.
   const double size = std::cbrt(volume), shift = 1e-3 / (size * size);
   const auto load = [&](std::size_t v) { return Value(system.masses[v]); };
   const auto project = [&](std::size_t v, Value& value) {
-    if (constraints[v] != FrameConstraint::none) value.setZero();
+    if (constraints[system.order[v]] != FrameConstraint::none) value.setZero();
   };
   for (Value& value : u) value *= size * size / 10;
   solve_laplace(
