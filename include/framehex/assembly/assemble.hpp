@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/assembly/detail/complex_builder.hpp"
+#include "framehex/assembly/detail/improver.hpp"
 #include "framehex/assembly/detail/interface_closer.hpp"
 #include "framehex/assembly/detail/mixed_export.hpp"
 
@@ -117,7 +118,12 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
   detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics);
   statistics.n_open_quadrilaterals = complex.open_quads.size();
   closer.merge_pairs(options.quality_floor);
-  if (options.interfaces != InterfaceMode::open) closer.close_all();
+  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, {});
+  if (options.interfaces != InterfaceMode::open) {
+    if (options.improvement == ImprovementMode::improve) improver.reconnect();
+    closer.close_all();
+  }
+  if (options.improvement == ImprovementMode::improve) improver.run(8);
 
   detail::MixedExport exported = detail::export_cells(complex);
   result.open = detail::list_open(complex, exported);

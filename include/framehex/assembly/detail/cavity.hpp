@@ -156,20 +156,24 @@ private:
   struct Face {
     std::array<index_t, 4> vertices;
     FaceKey key;
+    std::uint64_t low, high;  ///< the key again, quick to compare
     bool inner;
   };
-  using Edge = std::array<index_t, 2>;
+  using Edge = std::uint64_t;  ///< from, to
+  static Edge edge(index_t from, index_t to) { return std::uint64_t{from} << 32 | to; }
 
   void gather_faces(const Cavity& cavity) {
     scratch_.clear();
     for (const index_t cell : cavity.cells)
       for (std::size_t f = 0; f < complex_.n_faces(cell); ++f) {
         const auto vertices = complex_.face(cell, f);
-        scratch_.push_back({vertices, face_key(vertices), false});
+        const FaceKey key = face_key(vertices);
+        scratch_.push_back({vertices, key, edge(key[0], key[1]), edge(key[2], key[3]), false});
       }
     for (std::size_t i = 0; i < scratch_.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (scratch_[i].key == scratch_[j].key) scratch_[i].inner = scratch_[j].inner = true;
+        if (scratch_[i].low == scratch_[j].low && scratch_[i].high == scratch_[j].high)
+          scratch_[i].inner = scratch_[j].inner = true;
   }
 
   bool both_triangles_outside(index_t quad) const {
@@ -189,18 +193,19 @@ private:
     for (const auto& face : cavity.faces) {
       const std::size_t n = face[3] == no_index ? 3 : 4;
       for (std::size_t i = 0; i < n; ++i) {
-        edges_.push_back({face[i], face[(i + 1) % n]});
+        edges_.push_back(edge(face[i], face[i + 1 == n ? 0 : i + 1]));
         cavity.vertices.push_back(face[i]);
       }
     }
     std::sort(cavity.vertices.begin(), cavity.vertices.end());
     cavity.vertices.erase(std::unique(cavity.vertices.begin(), cavity.vertices.end()), cavity.vertices.end());
+    if (cavity.vertices.size() + cavity.faces.size() != edges_.size() / 2 + 2) return false;
     std::sort(edges_.begin(), edges_.end());
     for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
       if (edges_[i] == edges_[i + 1]) return false;
-    for (const Edge& e : edges_)
-      if (!std::binary_search(edges_.begin(), edges_.end(), Edge{e[1], e[0]})) return false;
-    return cavity.vertices.size() + cavity.faces.size() == edges_.size() / 2 + 2;
+    for (const Edge e : edges_)
+      if (!std::binary_search(edges_.begin(), edges_.end(), e << 32 | e >> 32)) return false;
+    return true;
   }
 
   bool nothing_protected_inside(const Cavity& cavity) {
@@ -217,7 +222,7 @@ private:
           const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(local[0])];
           const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(local[1])];
           if (complex_.protected_edges.contains(face_key({v, w, no_index, no_index})) &&
-              !std::binary_search(edges_.begin(), edges_.end(), Edge{v, w}))
+              !std::binary_search(edges_.begin(), edges_.end(), edge(v, w)))
             return false;
         }
     return true;

@@ -35,14 +35,16 @@ public:
   /// Closes every open quadrilateral.
   void close_all() {
     for (const double quality : {0.4, 0.3, 0.2}) for_each_open([&](index_t quad) { raise_to_vertex(quad, quality); });
-    for (const double quality : {0.3, 0.2, 0.1, floor_, 0.5 * floor_})
+    for (const double quality : {0.3, 0.2, 0.1, floor_, 1e-3})
       for_each_open([&](index_t quad) {
         if (!raise_to_vertex(quad, std::max(quality, 0.1))) raise_to_new_vertex(quad, quality);
       });
-    for_each_open([&](index_t quad) { give_up(quad, 0.5 * floor_); });
+    for_each_open([&](index_t quad) { give_up(quad, 1e-3); });
   }
 
 private:
+  static constexpr double comfortable = 0.2;  ///< quality of a new pyramid that needs no more search
+
   /// Quadrilaterals opened on the way are visited too.
   template <class Visit>
   void for_each_open(Visit&& visit) {
@@ -90,8 +92,47 @@ private:
     double quality = place_over(quad, cavity_, point);
     for (int growth = 0; growth < 8 && grow(quad, quality, point); ++growth) {
     }
+    if (quality < comfortable) grow_round_points(quad, quality, point);
     if (quality < least_quality) return false;
     return fill_from_new_vertex(cavity_, point, statistics_.n_raised);
+  }
+
+  /// Takes, for points at several heights over a quadrilateral, all cells that hide a face from the point.
+  void grow_round_points(index_t quad, double& quality, Vector3& point) {
+    const Frame frame = frame_over(quad);
+    Cavity grown;
+    for (const double height : {0.5, 0.3, 0.15}) {
+      Vector3 place = frame.centre + height * frame.up;
+      if (!gather_fan(quad, grown) || !filler_.build(grown) || !uncover(place, 0.05, grown)) continue;
+      const double start = filler_.evaluate(grown, place, no_index);
+      const double reached = filler_.improve_point(grown, place, 0.1 * frame.side, start);
+      if (reached <= quality) continue;
+      quality = reached;
+      point = place;
+      std::swap(cavity_, grown);
+    }
+  }
+
+  /// Grows a cavity until all of its faces are well seen from a point.
+  bool uncover(const Vector3& point, double least_quality, Cavity& cavity) {
+    constexpr std::size_t max_cells = 40;
+    std::array<Vector3, 5> p;
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (const auto& face : cavity.faces) {
+        const StarCell cell = star_cell(face, no_index);
+        const auto n = static_cast<std::size_t>(n_corners(cell.kind));
+        for (std::size_t i = 0; i < n; ++i)
+          p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
+        if (scaled_jacobian(cell.kind, {p.data(), n}) >= least_quality) continue;
+        const index_t beyond = cell_beyond(face, cavity);
+        if (beyond == no_index) return false;
+        if (!cavity.contains(beyond)) cavity.cells.push_back(beyond);
+        grown = true;
+      }
+      if (grown && (cavity.cells.size() > max_cells || !filler_.build(cavity))) return false;
+    }
+    return true;
   }
 
   /// Adds the cell behind the face that limits the quality, if the best new vertex is then better.
@@ -106,7 +147,7 @@ private:
       const double q = scaled_jacobian(cell.kind, {p.data(), n});
       if (q >= worst) continue;
       worst = q;
-      beyond = cell_beyond(face);
+      beyond = cell_beyond(face, cavity_);
     }
     if (beyond == no_index) return false;
     trial_ = cavity_;
@@ -124,11 +165,11 @@ private:
   }
 
   /// The tetrahedron or pyramid on the other side of a face of the cavity.
-  index_t cell_beyond(const std::array<index_t, 4>& face) const {
+  index_t cell_beyond(const std::array<index_t, 4>& face, const Cavity& cavity) const {
     const FaceKey key = face_key(face);
     index_t found = no_index;
     complex_.for_each_cell_at(key[0], [&](index_t cell) {
-      if (found != no_index || cavity_.contains(cell)) return;
+      if (found != no_index || cavity.contains(cell)) return;
       const CellKind kind = complex_.cells[cell].kind;
       if (kind != CellKind::tetrahedron && kind != CellKind::pyramid) return;
       for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
@@ -137,23 +178,31 @@ private:
     return found;
   }
 
-  /// The best place for a new apex over a quadrilateral.
-  double place_over(index_t quad, const Cavity& cavity, Vector3& point) {
+  /// Where a quadrilateral lies, and the way out of its cell with the length of its side.
+  struct Frame {
+    Vector3 centre, up;
+    double side;
+  };
+  Frame frame_over(index_t quad) const {
     const auto& q = complex_.open_quads[quad].vertices;
     const auto& p = complex_.points;
-    const Vector3 centre = 0.25 * (p[q[0]] + p[q[1]] + p[q[2]] + p[q[3]]);
     const Vector3 area = 0.5 * (p[q[2]] - p[q[0]]).cross(p[q[3]] - p[q[1]]);
     const double side = std::sqrt(area.norm());
-    const Vector3 up = area / std::max(area.norm(), 1e-300) * side;
+    return {0.25 * (p[q[0]] + p[q[1]] + p[q[2]] + p[q[3]]), area / std::max(side, 1e-300), side};
+  }
+
+  /// The best place for a new apex over a quadrilateral.
+  double place_over(index_t quad, const Cavity& cavity, Vector3& point) {
+    const Frame frame = frame_over(quad);
     double best = -2.0;
     for (const double height : {0.6, 0.4, 0.25, 0.12, 0.05, 0.02}) {
-      const Vector3 trial = centre + height * up;
+      const Vector3 trial = frame.centre + height * frame.up;
       const double quality = filler_.evaluate(cavity, trial, no_index, best);
       if (quality <= best) continue;
       best = quality;
       point = trial;
     }
-    return filler_.improve_point(cavity, point, 0.1 * side, best);
+    return filler_.improve_point(cavity, point, 0.1 * frame.side, best);
   }
 
   bool fill_from_new_vertex(const Cavity& cavity, const Vector3& point, std::size_t& counter) {
@@ -169,6 +218,7 @@ private:
 
   /// Splits the cell behind from its centre, or takes it back into its tetrahedra.
   void give_up(index_t quad, double least_quality) {
+    if (raise_to_vertex(quad, 0.1) || raise_to_new_vertex(quad, least_quality)) return;
     const index_t cell = complex_.open_quads[quad].cell;
     if (split(cell, least_quality)) return;
     if (dissolve(complex_, filler_, originals_, cell)) {

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/assembly/detail/reconnector.hpp"
+#include "framehex/assembly/detail/vertex_smoother.hpp"
+
+namespace framehex::detail {
+
+/// Alternates between moving vertices and reconnecting until the energy hardly falls.
+class Improver {
+public:
+  Improver(CellComplex& complex, const QualityEnergy& energy, const VertexSmoother::Projection& projection)
+      : complex_(complex), energy_(energy), smoother_(complex, energy, projection), reconnector_(complex, energy) {}
+
+  /// First without the vertices of hexahedra, whose volume and quality are worth keeping, then with them.
+  void run(int max_rounds) {
+    for (const bool hexahedra_too : {false, true}) {
+      double before = collect();
+      for (int round = 0; round < max_rounds && !bad_.empty(); ++round) {
+        smooth(2, hexahedra_too);
+        reconnect();
+        const double after = collect();
+        if (after > 0.9 * before) break;
+        before = after;
+      }
+    }
+    smooth(5, true);
+  }
+
+  /// Finds the cells with energy, worst first. @return their energy.
+  double collect() {
+    bad_.clear();
+    double total = 0;
+    for (index_t cell = 0; cell < complex_.cells.size(); ++cell) {
+      if (!complex_.cells[cell].alive) continue;
+      double worst = std::numeric_limits<double>::infinity();
+      const double energy = energy_.of(complex_, cell, worst);
+      if (energy > 0) bad_.push_back({worst, cell});
+      total += energy;
+    }
+    std::sort(bad_.begin(), bad_.end(),
+              [](const Bad& x, const Bad& y) { return x.worst != y.worst ? x.worst < y.worst : x.cell < y.cell; });
+    return total;
+  }
+
+  void smooth(int max_sweeps, bool hexahedra_too) {
+    collect();
+    std::vector<index_t> vertices;
+    for (const Bad& bad : bad_)
+      for (const index_t v : complex_.corners(bad.cell))
+        if (hexahedra_too || !in_hexahedron(v)) vertices.push_back(v);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+      std::size_t n_moved = 0;
+      for (const index_t v : vertices)
+        if (smoother_.smooth(v)) ++n_moved;
+      if (n_moved == 0) break;
+    }
+  }
+
+  void reconnect() {
+    collect();
+    const std::vector<Bad> bad = bad_;
+    for (const Bad& b : bad)
+      if (complex_.cells[b.cell].alive) reconnector_.improve(b.cell);
+  }
+
+  struct Bad {
+    double worst;
+    index_t cell;
+  };
+  const std::vector<Bad>& bad() const { return bad_; }
+
+private:
+  bool in_hexahedron(index_t vertex) const {
+    bool found = false;
+    complex_.for_each_cell_at(vertex, [&](index_t cell) {
+      found =
+          found || complex_.cells[cell].kind == CellKind::hexahedron || complex_.cells[cell].kind == CellKind::prism;
+    });
+    return found;
+  }
+
+  CellComplex& complex_;
+  QualityEnergy energy_;
+  VertexSmoother smoother_;
+  Reconnector reconnector_;
+  std::vector<Bad> bad_;
+};
+
+}  // namespace framehex::detail
