@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/field/compute_frame_field.hpp"
+#include "framehex/insertion/background.hpp"
+#include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/surface_inserter.hpp"
+#include "framehex/insertion/tetrahedralizer.hpp"
+#include "framehex/insertion/volume_inserter.hpp"
+#include "framehex/pipeline/recombine.hpp"
+#include "framehex/surface/cross_field.hpp"
+#include "framehex/surface/feature_detection.hpp"
+#include "framehex/surface/refinement.hpp"
+#include "framehex/surface/retriangulation.hpp"
+
+#include <optional>
+
+namespace framehex {
+
+/// Order in which points propose their neighbours.
+enum class PointOrder {
+  fifo,       ///< first in, first out: layer by layer from the boundary
+  smoothness  ///< where the frame field is smoothest first
+};
+
+/// Options of all stages; each stage's own options say more.
+struct MeshingOptions {
+  FeatureOptions features = {};
+  CrossFieldOptions cross_field = {};
+  FieldOptions field = {};
+  PointOrder order = PointOrder::smoothness;
+  CurveOptions curves = {};
+  SurfaceOptions surface = {};
+  VolumeOptions volume = {};
+  RecombineOptions recombination = {};
+  std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
+  Observer observer = {};                      ///< replaces those of the stages when set
+};
+
+/// What the stages found on their way.
+struct MeshingStatistics {
+  std::size_t n_feature_curves = 0;
+  std::size_t n_patches = 0;
+  std::size_t n_background_tets = 0;
+  double smoothness_mean = 0;  ///< over the background vertices
+  double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
+  double dirichlet_energy = 0;
+  std::size_t n_singular_edges = 0;
+  std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
+  std::size_t n_volume_points = 0;
+  std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
+  std::size_t n_tets = 0;                ///< of the second mesh
+};
+
+/// A hex-dominant mesh of the inside of a surface, and how it came about.
+struct MeshingResult {
+  Recombination recombination;     ///< `.mesh`, `.graph`, `.selection`, `.assembly`, `.seconds` (of all stages)
+  std::vector<Quaternion> frames;  ///< frame at each point of the mesh
+  std::vector<double> smoothness;  ///< smoothness of the field there, at most 1
+  MeshingStatistics statistics;
+  Status status = Status::complete;  ///< cancelled: the mesh is empty
+};
+
+namespace detail {
+
+/// The job of `mesh_surface`, stage by stage; each method leaves what the next ones read.
+template <Tetrahedralizer T, SizeCallable Size, Executor E>
+class SurfaceMesher {
+public:
+  SurfaceMesher(const T& tetrahedralizer, const Size& size, MeshingOptions options, const E& executor)
+      : tetrahedralizer_(tetrahedralizer), size_(size), options_(std::move(options)), executor_(executor) {
+    if (!options_.observer) return;
+    for (Observer* observer : {&options_.field.observer, &options_.surface.observer, &options_.volume.observer,
+                               &options_.recombination.observer})
+      *observer = options_.observer;
+  }
+
+  MeshingResult run(const IndexedTriangleMesh& input) {
+    prepare(input);
+    if (!make_background()) return cancelled();
+    watch_.lap(seconds_.background);
+    if (!make_field()) return cancelled();
+    watch_.lap(seconds_.field);
+    if (!sample_surface()) return cancelled();
+    watch_.lap(seconds_.insertion);
+    if (!retriangulate_surface()) return cancelled();
+    watch_.lap(seconds_.tetrahedralization);
+    if (!fill_volume()) return cancelled();
+    watch_.lap(seconds_.insertion);
+    if (!make_tets()) return cancelled();
+    watch_.lap(seconds_.tetrahedralization);
+    if (!recombine_tets()) return cancelled();
+    sample_field();
+    return std::move(result_);
+  }
+
+private:
+  using Field = FrameField<IndexedTetMesh>;
+
+  MeshingResult cancelled() {
+    MeshingResult nothing;
+    nothing.status = Status::cancelled;
+    return nothing;
+  }
+
+  bool going(std::string_view stage, double fraction) const { return keep_going(options_.observer, stage, fraction); }
+
+  /// Features are those of the input; the rest works on triangles no longer than the background's.
+  void prepare(const IndexedTriangleMesh& input) {
+    validate_closed(input);
+    const FeatureGraph features = detect_features(input, make_adjacency(input), options_.features);
+    const double edge = background_edge(input);
+    RefinedSurface refined = refine(input, features, [edge](const Vector3&) { return edge; });
+    surface_ = std::move(refined.surface);
+    features_ = std::move(refined.features);
+    adjacency_ = make_adjacency(surface_);
+    result_.statistics.n_feature_curves = features_.curves.size();
+    result_.statistics.n_patches = features_.n_patches;
+  }
+
+  double background_edge(const IndexedTriangleMesh& input) const {
+    if (options_.background_edge) return *options_.background_edge;
+    double sum = 0;
+    for (const Vector3& p : input.points) sum += checked_size(size_, p);
+    return sum / static_cast<double>(input.points.size());
+  }
+
+  bool make_background() {
+    if (!going("background mesh", 0)) return false;
+    const std::vector<Vector3> interior =
+        background_points(surface_, SurfaceLocator(surface_), background_edge(surface_), executor_);
+    Tetrahedralization background = tetrahedralize(tetrahedralizer_, surface_, interior, options_.observer);
+    background_ = std::move(background.mesh);
+    result_.statistics.n_background_tets = background_.tets.size();
+    return background.status == Status::complete;
+  }
+
+  bool make_field() {
+    if (!going("frame field", 0)) return false;
+    cross_field_ = compute_cross_field(surface_, adjacency_, features_, options_.cross_field);
+    if (!going("frame field", 0.2)) return false;
+    FieldReport report;
+    field_.emplace(
+        compute_frame_field(background_, surface_, features_, cross_field_.frames, options_.field, executor_, &report));
+    if (report.status == Status::cancelled) return false;
+    const auto& smoothness = field_->smoothness();
+    MeshingStatistics& s = result_.statistics;
+    for (const double value : smoothness) {
+      s.smoothness_mean += value / static_cast<double>(smoothness.size());
+      s.fraction_smooth += (value >= 0.85 ? 1.0 : 0.0) / static_cast<double>(smoothness.size());
+    }
+    s.dirichlet_energy = field_->dirichlet_energy();
+    return true;
+  }
+
+  bool sample_surface() {
+    if (!going("surface insertion", 0)) return false;
+    const CurveInsertion curves = insert_curve_points(surface_, features_, size_, options_.curves);
+    const auto insert = [&](auto order) {
+      return insert_surface_points(surface_, adjacency_, features_, cross_field_.frames, cross_field_.smoothness,
+                                   curves, size_, options_.surface, order);
+    };
+    samples_ = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
+    result_.statistics.n_surface_points = samples_.samples.size();
+    return samples_.status != Status::cancelled;
+  }
+
+  bool retriangulate_surface() {
+    if (!going("retriangulation", 0)) return false;
+    boundary_ = retriangulate(surface_, features_, samples_.samples);
+    result_.statistics.n_unremoved_vertices = boundary_.n_unremoved;
+    return true;
+  }
+
+  bool fill_volume() {
+    const std::vector<BoundarySeed> seeds = samples_.seeds();
+    // The boundary of the result, and not the input's, is what the points keep away from.
+    const SurfaceLocator locator(boundary_.surface);
+    const SurfaceDomain domain{locator};
+    const auto insert = [&](auto order) {
+      return insert_volume_points(seeds, *field_, size_, domain, options_.volume, order);
+    };
+    VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
+    if (volume.status == Status::cancelled) return false;
+    interior_.assign(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
+    result_.statistics.n_volume_points = interior_.size();
+    return true;
+  }
+
+  bool make_tets() {
+    Tetrahedralization second = tetrahedralize(tetrahedralizer_, boundary_.surface, interior_, options_.observer);
+    tets_ = std::move(second.mesh);
+    result_.statistics.n_tets = tets_.tets.size();
+    return second.status == Status::complete;
+  }
+
+  bool recombine_tets() {
+    const FeatureGraph& features = boundary_.features;
+    std::vector<LabelledFace> faces;
+    for (std::size_t t = 0; t < boundary_.surface.triangles.size(); ++t) {
+      const auto& v = boundary_.surface.triangles[t];
+      faces.push_back({{v[0], v[1], v[2], no_index}, features.triangle_patch[t]});
+    }
+    std::vector<LabelledEdge> edges;
+    for (std::size_t curve = 0; curve < features.curves.size(); ++curve) {
+      const auto row = features.curves[curve];
+      for (std::size_t i = 0; i + 1 < row.size(); ++i)
+        edges.push_back({{row[i], row[i + 1]}, static_cast<index_t>(curve)});
+    }
+    RecombineOptions options = options_.recombination;
+    options.faces = faces;
+    options.edges = edges;
+    result_.recombination = recombine(tets_, options, executor_);
+    StageSeconds& s = result_.recombination.seconds;
+    s.background = seconds_.background;
+    s.field = seconds_.field;
+    s.insertion = seconds_.insertion;
+    s.tetrahedralization = seconds_.tetrahedralization;
+    return result_.recombination.status == Status::complete;
+  }
+
+  void sample_field() {
+    index_t hint = no_index;
+    for (const Vector3& p : result_.recombination.mesh.points) {
+      const FrameSample sample = field_->sample(p, hint);
+      result_.frames.push_back(sample.frame);
+      result_.smoothness.push_back(sample.smoothness);
+    }
+  }
+
+  const T& tetrahedralizer_;
+  const Size& size_;
+  MeshingOptions options_;
+  const E& executor_;
+
+  Stopwatch watch_;
+  StageSeconds seconds_;
+  MeshingResult result_;
+  IndexedTriangleMesh surface_;
+  TriangleAdjacency adjacency_;
+  FeatureGraph features_;
+  SurfaceCrossField cross_field_;
+  IndexedTetMesh background_;
+  std::optional<Field> field_;
+  SurfaceInsertion samples_;
+  Retriangulation boundary_;
+  std::vector<Vector3> interior_;
+  IndexedTetMesh tets_;
+};
+
+}  // namespace detail
+
+/// The whole job: from a closed surface to a hex-dominant mesh of its inside.
+///
+/// @param surface          closed, outward, edge-manifold; checked first. Coordinates in the host's unit.
+/// @param size             wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
+/// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
+/// @return the mesh with labels (patches, feature curves), frames, statistics and seconds of each stage.
+/// @throws what `validate_closed`, `tetrahedralize` and the stages throw; nothing is left behind.
+/// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
+/// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
+/// @par Source       The paper, section 1, and the stages' own.
+template <Tetrahedralizer T, detail::SizeCallable Size, Executor E = SerialExecutor>
+MeshingResult mesh_surface(const IndexedTriangleMesh& surface, const Size& size, const T& tetrahedralizer,
+                           const MeshingOptions& options = {}, const E& executor = {}) {
+  return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor).run(surface);
+}
+
+}  // namespace framehex

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/tetgen_process.hpp"
+#include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/verify/conformity.hpp"
+#include "framehex/verify/validity.hpp"
+#include "support/kuhn_lattice.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace framehex;
+
+namespace {
+
+/// A box of a x b x c as few triangles, turned about an odd axis.
+IndexedTriangleMesh box(const Vector3& sides, double turn) {
+  const IndexedTetMesh cell = test::kuhn_lattice(1);
+  IndexedTriangleMesh surface = extract_boundary(cell, make_adjacency(cell)).surface;
+  const Eigen::AngleAxisd rotation(turn, Vector3(1, 2, -0.5).normalized());
+  for (Vector3& p : surface.points) p = rotation * Vector3(p.cwiseProduct(sides));
+  return surface;
+}
+
+struct Constant {
+  double value;
+  double operator()(const Vector3&) const { return value; }
+};
+
+std::size_t n_of(const MixedMesh& mesh, CellKind kind) {
+  return static_cast<std::size_t>(std::count(mesh.kinds.begin(), mesh.kinds.end(), kind));
+}
+
+}  // namespace
+
+TEST_CASE("a box at a size that divides its sides is all hexahedra, however it is turned, in every variant") {
+  const auto turn = GENERATE(0.0, 0.7);
+  const auto order = GENERATE(PointOrder::fifo, PointOrder::smoothness);
+  const auto method = GENERATE(FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best);
+  MeshingOptions options;
+  options.order = order;
+  options.field.method = method;
+  const MeshingResult result = mesh_surface(box({4, 3, 2}, turn), Constant{0.5}, TetgenProcess{}, options);
+  const MixedMesh& mesh = result.recombination.mesh;
+  CHECK(mesh.n_cells() == 8 * 6 * 4);
+  CHECK(n_of(mesh, CellKind::hexahedron) == 8 * 6 * 4);
+  CHECK(mesh.points.size() == 9 * 7 * 5);
+  CHECK(result.recombination.assembly.n_open_quadrilaterals == 0);
+  CHECK(result.statistics.n_patches == 6);
+  CHECK(result.statistics.n_feature_curves == 12);
+  CHECK(result.frames.size() == mesh.points.size());
+}
+
+TEST_CASE("the result is the same for any number of threads, and for a second run") {
+  const IndexedTriangleMesh surface = box({3, 2.2, 1.7}, 0.3);
+  const auto run = [&](const auto& executor) {
+    return mesh_surface(surface, Constant{0.4}, TetgenProcess{}, MeshingOptions{}, executor).recombination.mesh;
+  };
+  const MixedMesh once = run(SerialExecutor{});
+  for (const std::size_t threads : {1, 2, 5}) {
+    const MixedMesh again = run(ThreadExecutor(threads));
+    CHECK(again.points == once.points);
+    CHECK(again.kinds == once.kinds);
+    CHECK(again.cells.values == once.cells.values);
+  }
+}
+
+TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
+  const IndexedTriangleMesh surface = box({3, 2, 2}, 0.3);
+  std::size_t n_calls = 0;
+  MeshingOptions options;
+  options.observer = [&](const Progress&) { return ++n_calls, true; };
+  CHECK(mesh_surface(surface, Constant{0.4}, TetgenProcess{}, options).status == Status::complete);
+  REQUIRE(n_calls > 10);
+  for (std::size_t stop = 1; stop < n_calls; stop += 1 + n_calls / 12) {
+    std::size_t n = 0;
+    options.observer = [&](const Progress&) { return ++n < stop; };
+    const MeshingResult result = mesh_surface(surface, Constant{0.4}, TetgenProcess{}, options);
+    CHECK(result.status == Status::cancelled);
+    CHECK(result.recombination.mesh.n_cells() == 0);
+    CHECK(n <= stop + 2);
+  }
+}
+
+TEST_CASE("bad sizes are refused before any work") {
+  const IndexedTriangleMesh surface = box({1, 1, 1}, 0);
+  for (const double size : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+    CHECK_THROWS_AS(mesh_surface(surface, Constant{size}, TetgenProcess{}), error);
+  CHECK_THROWS_AS(mesh_surface(surface, Constant{1e-6}, TetgenProcess{}), invalid_option);
+}
