@@ -51,6 +51,9 @@ struct FaceTriangles {
 /// The flood starts at a corner and never crosses a triangle of the cell's own faces. What it covers is the cell
 /// exactly when it leaves through one pair of triangles with a common diagonal a quadrilateral, and one triangle a
 /// triangular face: the cell's boundary is then the boundary of the tetrahedra.
+///
+/// A triangle on three corners of a face can also lie inside the cell, when the face is cut the other way and bent.
+/// Where stopping at all of them fails, the ways to cut the faces are tried one by one.
 template <int Corners>
 class CellInterior {
 public:
@@ -63,7 +66,9 @@ public:
   /// @return whether the cell is full of tetrahedra and keeps the rules; `tets` and `slivers` then hold them.
   bool fill(const Vertices& vertices) {
     for (std::size_t i = 0; i < vertices.size(); ++i) corner_set_[vertices[i]] = static_cast<std::uint8_t>(1u << i);
-    const bool filled = flood(vertices) && check_faces() && keeps_features(vertices);
+    walls_ = all_walls;
+    bool filled = (flood(vertices) && closes()) || flood_cut_by_cut(vertices);
+    filled = filled && check_slivers() && keeps_features(vertices);
     for (const index_t v : vertices) corner_set_[v] = 0;
     if (filled) {
       std::sort(tets.begin(), tets.end());
@@ -86,10 +91,14 @@ private:
     std::array<std::uint8_t, 4> corner;  ///< set of one corner of the cell, or none
     std::uint8_t all;
 
-    /// The triangle of the cell's faces opposite corner i, or -1.
-    int triangle(std::size_t i) const { return triangles.of_corners[static_cast<unsigned>(all & ~corner[i])]; }
     OnCorners kind() const { return triangles.tet[all]; }
   };
+
+  /// The triangle of the cell's faces opposite corner i that the flood stops at, or -1.
+  int wall(const Tet& t, std::size_t i) const {
+    const int triangle = triangles.of_corners[static_cast<unsigned>(t.all & ~t.corner[i])];
+    return triangle >= 0 && (walls_ >> triangle & 1) != 0 ? triangle : -1;
+  }
 
   Tet look_at(index_t tet) const {
     const auto& v = input_->adjacency().tets[tet];
@@ -108,7 +117,8 @@ private:
       const Tet t = look_at(tet);
       if (t.kind() != OnCorners::all_four && t.kind() != OnCorners::three_of_four) continue;
       for (std::size_t i = 0; i < 4; ++i)
-        if (t.triangle(i) >= 0 && is_seen_from_inside(vertices, t.triangle(i), tet, i)) return tet;
+        if (const int triangle = wall(t, i); triangle >= 0 && is_seen_from_inside(vertices, triangle, tet, i))
+          return tet;
     }
     return no_index;
   }
@@ -132,7 +142,7 @@ private:
       const index_t tet = tets[n];
       const Tet t = corners_of_[n];
       for (std::size_t i = 0; i < 4; ++i) {
-        const int triangle = t.triangle(i);
+        const int triangle = wall(t, i);
         if (triangle >= 0) {
           const auto face = static_cast<std::size_t>(triangle) / 4;
           if (n_exits_[face] == 2) return false;
@@ -152,6 +162,7 @@ private:
     if (!options.free_tets.empty() && options.free_tets[tet] == 0) return false;
     if (!options.regions.empty() && !tets.empty() && options.regions[tet] != options.regions[tets[0]]) return false;
     const Tet t = look_at(tet);
+    if (t.kind() == OnCorners::face_sliver) return false;
     if (t.kind() != OnCorners::all_four && !swallow_foreign(tet)) return false;
     tets.push_back(tet);
     corners_of_.push_back(t);
@@ -168,18 +179,58 @@ private:
     return true;
   }
 
-  bool check_faces() {
-    slivers.clear();
+  /// Whether the flood has left every face by one of its cuts.
+  bool closes() const {
     for (std::size_t f = 0; f < n_faces; ++f) {
       const auto& exits = exits_[f];
-      if (faces_of(kind)[f].size() == 3) {
-        if (n_exits_[f] != 1) return false;
-        continue;
-      }
-      if (n_exits_[f] != 2 || exits[0].triangle / 2 != exits[1].triangle / 2 ||
-          exits[0].triangle == exits[1].triangle || !check_quadrilateral(exits))
+      if (faces_of(kind)[f].size() == 3 ? n_exits_[f] != 1
+                                        : n_exits_[f] != 2 || exits[0].triangle / 2 != exits[1].triangle / 2 ||
+                                              exits[0].triangle == exits[1].triangle)
         return false;
     }
+    return true;
+  }
+
+  /// The flood for each way to cut the faces by facets of the mesh; stops at the one with the fewest tetrahedra.
+  bool flood_cut_by_cut(const Vertices& vertices) {
+    std::array<std::uint8_t, n_faces> cuts{};
+    for (std::size_t f = 0; f < n_faces; ++f) {
+      const auto is_facet = [&](std::size_t t) {
+        const auto& c = triangles.corners[4 * f + t];
+        const auto at = [&](std::size_t i) { return vertices[static_cast<std::size_t>(c[i])]; };
+        return input_->links().is_facet(at(0), at(1), at(2));
+      };
+      if (faces_of(kind)[f].size() == 3)
+        cuts[f] = is_facet(0) ? 1 : 0;
+      else
+        cuts[f] =
+            static_cast<std::uint8_t>((is_facet(0) && is_facet(1) ? 1 : 0) | (is_facet(2) && is_facet(3) ? 2 : 0));
+      if (cuts[f] == 0) return false;
+    }
+    std::size_t fewest = static_cast<std::size_t>(-1);
+    std::uint32_t best = 0;
+    for (unsigned choice = 0; choice < (1u << n_faces); ++choice) {
+      std::uint32_t walls = 0;
+      bool possible = true;
+      for (std::size_t f = 0; f < n_faces; ++f) {
+        const unsigned cut = choice >> f & 1;
+        possible &= (cuts[f] >> cut & 1) != 0;
+        walls |= 3u << (4 * f + 2 * cut);
+      }
+      if (!possible) continue;
+      walls_ = walls;
+      if (!flood(vertices) || !closes() || tets.size() >= fewest) continue;
+      fewest = tets.size();
+      best = walls;
+    }
+    walls_ = best;
+    return best != 0 && flood(vertices) && closes();
+  }
+
+  bool check_slivers() {
+    slivers.clear();
+    for (std::size_t f = 0; f < n_faces; ++f)
+      if (faces_of(kind)[f].size() == 4 && !check_quadrilateral(exits_[f])) return false;
     return true;
   }
 
@@ -188,7 +239,7 @@ private:
       return input_->adjacency().neighbours[e.tet][static_cast<std::size_t>(e.facet)];
     };
     const index_t sliver = behind(exits[0]);
-    if (sliver == no_index || sliver != behind(exits[1]))
+    if (sliver == no_index || sliver != behind(exits[1]) || look_at(sliver).kind() != OnCorners::face_sliver)
       return keeps_boundary_rule(exits[0].tet, static_cast<std::size_t>(exits[0].facet), exits[1].tet,
                                  static_cast<std::size_t>(exits[1].facet));
     const FinderOptions& options = input_->options();
@@ -240,7 +291,10 @@ private:
     });
   }
 
+  static constexpr std::uint32_t all_walls = ~std::uint32_t{0};
+
   const FinderInput* input_;
+  std::uint32_t walls_ = all_walls;       ///< the triangles of FaceTriangles that the flood stops at
   std::vector<std::uint8_t> corner_set_;  ///< vertex -> set of its corner while a cell is looked at, else none
   std::vector<Tet> corners_of_;           ///< parallel to `tets` during the flood
   std::vector<index_t> foreign_;
