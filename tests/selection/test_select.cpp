@@ -179,3 +179,28 @@ TEST_CASE("options out of range", "[selection][select]") {
   CHECK_THROWS_AS(select(graph, {.gap = std::nan("")}), invalid_option);
   CHECK_THROWS_AS(select(graph, {.seconds = -1}), invalid_option);
 }
+
+TEST_CASE("a renumbered graph gives the same", "[selection][select]") {
+  std::mt19937_64 engine(12);
+  const auto graph = random_disk_graph(engine, 900, 0.07);
+  std::vector<index_t> order(graph.size());
+  for (index_t v = 0; v < graph.size(); ++v) order[v] = v;
+  const SelectOptions options{.gap = 0.02, .exact_below = 0};
+  const Selection first = select(graph, options);
+  for (int i = 0; i < 3; ++i) {
+    std::shuffle(order.begin(), order.end(), engine);
+    std::vector<double> weights;
+    std::vector<index_t> number(graph.size());
+    std::vector<std::array<index_t, 2>> conflicts;
+    for (index_t v = 0; v < graph.size(); ++v) number[order[v]] = v, weights.push_back(graph.weight(order[v]));
+    for (index_t v = 0; v < graph.size(); ++v)
+      for (const index_t u : graph.neighbours(v)) conflicts.push_back({number[v], number[u]});
+    const Selection again = select(make_incompatibility_graph(weights, conflicts), options);
+    CHECK(again.weight == first.weight);
+    CHECK(again.bound == first.bound);
+    std::vector<index_t> members;
+    for (const index_t v : again.members) members.push_back(order[v]);
+    std::sort(members.begin(), members.end());
+    CHECK(members == first.members);
+  }
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/selection/canonical_order.hpp"
 #include "framehex/selection/greedy.hpp"
 #include "framehex/selection/relaxation_search.hpp"
 
@@ -35,8 +36,8 @@ namespace detail {
 template <Executor E>
 class Selector {
 public:
-  Selector(const IncompatibilityGraph& graph, const SelectOptions& options, const E& executor)
-      : graph_(graph), options_(options), executor_(executor), deadline_(options.seconds, options.observer) {}
+  Selector(const IncompatibilityGraph& graph, const SelectOptions& options, const E& executor, Deadline& deadline)
+      : graph_(graph), options_(options), executor_(executor), deadline_(deadline) {}
 
   Selection run() {
     Selection result;
@@ -120,7 +121,7 @@ private:
   const IncompatibilityGraph& graph_;
   const SelectOptions& options_;
   const E& executor_;
-  Deadline deadline_;
+  Deadline& deadline_;
   std::size_t n_iterations_ = 0;
 };
 
@@ -137,20 +138,30 @@ private:
 /// @par Complexity   `greedy` O(n log n + conflicts). `best` some ten microseconds a candidate for the first selection,
 ///                   then about a tenth of a millisecond for each candidate and 1000 iterations of the bound; memory as
 ///                   the graph again.
-/// @par Determinism  The same for any executor and run, unless the time or the observer ends it.
+/// @par Determinism  The same for any executor and run, unless the time or the observer ends it. `best` and `exact` do
+/// not
+///                   depend on the numbers of the candidates either, but where candidates look alike (weight and
+///                   surroundings); `greedy` takes equal weights by number.
 /// @par Source       Paper, section 2.2, for greedy. Departs: a relaxation bounds what greedy loses, and local search
 ///                   and branch and bound win it back.
 template <Executor E = SerialExecutor>
 Selection select(const IncompatibilityGraph& graph, const SelectOptions& options = {}, const E& executor = {}) {
   if (!(options.gap >= 0 && options.gap <= 1)) throw invalid_option("the gap of a selection must lie in [0, 1]");
   if (!(options.seconds >= 0)) throw invalid_option("the seconds for a selection must not be negative");
-  if (options.method != SelectMethod::greedy) return detail::Selector<E>(graph, options, executor).run();
+  detail::Deadline deadline(options.seconds, options.observer);
   Selection selection;
   selection.members = select_greedily(graph);
   const std::int64_t weight = detail::weight_in_units(graph, selection.members);
   selection.weight = detail::from_units(graph, weight);
   selection.bound = detail::from_units(graph, std::max(weight, partition_bound(graph)));
   if (selection.weight == selection.bound) selection.status = SelectionStatus::optimal;
+  if (selection.status == SelectionStatus::optimal || options.method == SelectMethod::greedy) return selection;
+  // Searched under numbers of its own, so that the caller's do not matter.
+  const std::vector<index_t> order = detail::canonical_order(graph);
+  const IncompatibilityGraph renumbered = detail::renumber(graph, order);
+  selection = detail::Selector<E>(renumbered, options, executor, deadline).run();
+  for (index_t& v : selection.members) v = order[v];
+  std::sort(selection.members.begin(), selection.members.end());
   return selection;
 }
 
