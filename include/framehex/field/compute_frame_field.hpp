@@ -77,7 +77,9 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const IndexedTriangleMesh
   FrameField<Mesh> field(mesh);
   field.constrain(boundary, options.vertex_of);
   if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
-  field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
+  // A harmonic start does not look at the frames inside.
+  if (options.method != FieldMethod::best || options.diffusion.start == DiffusionStart::current)
+    field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
   FieldReport course;
   if (options.method == FieldMethod::smoothed)
     course.smoothing = field.smooth(detail::observed_by(options.smoothing, options.observer), executor);

@@ -46,7 +46,7 @@ public:
   const std::vector<Vector3>& axes() const { return axes_; }
   const TetAdjacency& adjacency() const { return locator_->adjacency(); }
   const std::vector<Vector3>& points() const { return locator_->points(); }
-  const TetLocator& locator() const { return *locator_; }
+  const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
   /// Replaces all frames and brings the smoothness up to date; constraints are not looked at.
   /// @throws invalid_field  with the first vertex whose quaternion is not a unit one; invalid_option when their number

@@ -68,7 +68,7 @@ std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<co
 /// Weight of every directed edge, in the order of `adjacency.vertices_of_vertex.values`, with which the sum of squared
 /// differences over edges approximates the Dirichlet integral.
 ///
-/// Linear finite elements (the "cotangent" weights), but never below a tenth of the edge's share by volume: negative
+/// Linear finite elements (the "cotangent" weights), but never below a thousandth of the edge's share by volume: negative
 /// weights, which obtuse dihedral angles give, would let an energy fall without bound.
 ///
 /// @return lengths in the host's unit, all > 0 on a valid mesh; the same for both directions of an edge.
@@ -93,7 +93,7 @@ inline std::vector<double> dirichlet_weights(const TetAdjacency& adjacency, std:
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) {
         const double value = -gradient[i].dot(gradient[j]) / (6 * six_volumes);
-        const double share = 0.1 * six_volumes / (6 * (points[tet[i]] - points[tet[j]]).squaredNorm());
+        const double share = 1e-3 * six_volumes / (6 * (points[tet[i]] - points[tet[j]]).squaredNorm());
         for (const offset_t s : {slot(tet[i], tet[j]), slot(tet[j], tet[i])}) {
           weights[s] += value;
           floor[s] += share;
