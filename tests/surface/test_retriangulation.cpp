@@ -5,6 +5,7 @@
 #include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
+#include "framehex/surface/self_intersection.hpp"
 #include "framehex/surface/surface_locator.hpp"
 #include "support/stl.hpp"
 #include "support/surface_checks.hpp"
@@ -33,8 +34,10 @@ double diagonal(const IndexedTriangleMesh& surface) {
 void check_promises(const IndexedTriangleMesh& input, const FeatureGraph& features,
                     const std::vector<SurfaceSample>& samples, const Retriangulation& r, double deviation) {
   validate_closed(r.surface);
+  CHECK(r.n_crossings == 0);
+  CHECK(find_self_intersections(r.surface).empty());
   CHECK(test::euler_characteristic(r.surface) == test::euler_characteristic(input));
-  REQUIRE(r.surface.points.size() == samples.size() + r.n_unremoved);
+  REQUIRE(r.surface.points.size() == samples.size() + r.n_unremoved + r.n_added);
   for (std::size_t i = 0; i < samples.size(); ++i) CHECK(r.surface.points[i] == samples[i].point);
   const TriangleAdjacency a = make_adjacency(r.surface);
   for (std::size_t v = 0; v < r.surface.points.size(); ++v) CHECK_FALSE(a.triangles_of_vertex[v].empty());
@@ -103,4 +106,118 @@ TEST_CASE("a retriangulation has exactly the samples as vertices and keeps shape
     CHECK(r.n_unremoved == 0);
     check_promises(m.surface, features, samples, r, m.deviation);
   }
+}
+
+TEST_CASE("flat faces come out Delaunay") {
+  for (const auto& surface : {test::box_surface({1, 1, 1}), test::box_surface({1, 1, 0.01}), test::l_shape_surface()}) {
+    const FeatureGraph features = detect_features(surface, make_adjacency(surface));
+    const Retriangulation r = retriangulate(surface, features, test::scatter_samples(surface, features, 0.05));
+    const TriangleAdjacency a = make_adjacency(r.surface);
+    for (index_t h = 0; h < a.opposite.size(); ++h) {
+      if (r.features.is_feature[h]) continue;
+      // The opposite apex is not inside the sphere whose great circle is the triangle's circumcircle.
+      const Vector3 &p = r.surface.points[a.from(h)], &q = r.surface.points[a.to(h)], &s = r.surface.points[a.apex(h)];
+      const Vector3 u = q - p, v = s - p, n = u.cross(v);
+      const Vector3 centre = (u.squaredNorm() * v.cross(n) + v.squaredNorm() * n.cross(u)) / (2 * n.squaredNorm());
+      const double radius = centre.norm();
+      CHECK((r.surface.points[a.apex(a.opposite[h])] - p - centre).norm() > radius * (1 - 1e-5));
+    }
+  }
+}
+
+TEST_CASE("a lattice on a box comes out as squares cut in two") {
+  const auto surface = test::box_surface({1, 1, 1});
+  const FeatureGraph features = detect_features(surface, make_adjacency(surface));
+  const int n = 6;
+  std::vector<SurfaceSample> samples;
+  const SurfaceLocator locator(surface);
+  const auto lattice = test::box_surface({1, 1, 1}, n, n, n);
+  for (const Vector3& p : lattice.points) {
+    const int on = static_cast<int>((p.array() == 0 || p.array() == 1).count());
+    if (on == 1) samples.push_back({p, SampleKind::surface, locator.nearest(p).triangle, 0});
+  }
+  for (index_t i = 0; i < 8; ++i) samples.push_back({surface.points[features.corners[i]], SampleKind::corner, i, 0});
+  for (index_t c = 0; c < 12; ++c) {
+    const Vector3 &a = surface.points[features.curves[c].front()], &b = surface.points[features.curves[c].back()];
+    for (int k = 1; k < n; ++k) samples.push_back({a + (b - a) * k / n, SampleKind::curve, c, double(k) / n});
+  }
+  const Retriangulation r = retriangulate(surface, features, samples);
+  check_promises(surface, features, samples, r, 1e-9);
+  CHECK(r.n_unremoved == 0);
+  REQUIRE(r.surface.triangles.size() == 12 * n * n);
+  for (std::size_t t = 0; t < r.surface.triangles.size(); ++t)
+    CHECK(test::area(r.surface, t) == Approx(0.5 / (n * n)).epsilon(1e-6));
+}
+
+TEST_CASE("walls thinner than the spacing are repaired, not crossed") {
+  auto shell = test::sphere_surface(1, 4);
+  const auto inner = test::sphere_surface(0.96, 4);
+  const auto n = static_cast<index_t>(shell.points.size());
+  shell.points.insert(shell.points.end(), inner.points.begin(), inner.points.end());
+  for (const auto& t : inner.triangles) shell.triangles.push_back({t[0] + n, t[2] + n, t[1] + n});
+  const FeatureGraph features = detect_features(shell, make_adjacency(shell));
+  const auto samples = test::scatter_samples(shell, features, 0.5);
+  const Retriangulation without = retriangulate(shell, features, samples, {.repair_rounds = -1});
+  CHECK_FALSE(find_self_intersections(without.surface).empty());
+  const Retriangulation r = retriangulate(shell, features, samples);
+  CHECK(r.n_crossings == 0);
+  CHECK(r.n_added > 0);
+  CHECK(find_self_intersections(r.surface).empty());
+  validate_closed(r.surface);
+  CHECK(test::euler_characteristic(r.surface) == 4);
+  const SurfaceLocator locator(shell);
+  for (std::size_t i = 0; i < r.surface.points.size(); ++i)
+    CHECK(locator.nearest(r.surface.points[i]).distance < 1e-12);
+}
+
+TEST_CASE("input vertices that are corners without a sample stay and are counted") {
+  const auto surface = test::box_surface({1, 1, 1});
+  const FeatureGraph features = detect_features(surface, make_adjacency(surface));
+  auto samples = test::scatter_samples(surface, features, 0.3);
+  std::erase_if(samples, [](const SurfaceSample& s) { return s.kind == SampleKind::corner && s.entity < 3; });
+  const Retriangulation r = retriangulate(surface, features, samples);
+  CHECK(r.n_unremoved == 3);
+  check_promises(surface, features, samples, r, 1e-9);
+  const Retriangulation none = retriangulate(surface, features, {});
+  CHECK(none.n_unremoved == 8);
+  CHECK(none.surface.triangles.size() == 12);
+}
+
+TEST_CASE("samples on vertices and edges of the input are taken as they are") {
+  const auto surface = test::sphere_surface(1, 2);
+  const FeatureGraph features = detect_features(surface, make_adjacency(surface));
+  std::vector<SurfaceSample> samples;
+  std::vector<char> used(surface.points.size(), 0);
+  for (index_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& v = surface.triangles[t];
+    if (!used[v[0]]) samples.push_back({surface.points[v[0]], SampleKind::surface, t, 0});
+    used[v[0]] = 1;
+    if (v[0] < v[1]) samples.push_back({(surface.points[v[0]] + surface.points[v[1]]) / 2, SampleKind::surface, t, 0});
+  }
+  const Retriangulation r = retriangulate(surface, features, samples);
+  CHECK(r.n_unremoved == 0);
+  check_promises(surface, features, samples, r, 0.02);
+}
+
+TEST_CASE("bad samples are refused by name") {
+  const auto surface = test::box_surface({1, 1, 1});
+  const FeatureGraph features = detect_features(surface, make_adjacency(surface));
+  const auto with = [&](const SurfaceSample& extra) {
+    auto samples = test::scatter_samples(surface, features, 0.5);
+    const std::size_t at = samples.size();
+    samples.push_back(extra);
+    try {
+      (void)retriangulate(surface, features, samples);
+    } catch (const error& e) {
+      CHECK(e.entity() == Entity::vertex);
+      CHECK(e.indices().back() == at);
+      throw;
+    }
+  };
+  CHECK_THROWS_AS(with({{0, std::nan(""), 0}, SampleKind::surface, 0, 0}), invalid_coordinate);
+  CHECK_THROWS_AS(with({{0, 0, 0}, SampleKind::surface, 12, 0}), invalid_connectivity);
+  CHECK_THROWS_AS(with({{0, 0, 0}, SampleKind::corner, 8, 0}), invalid_connectivity);
+  CHECK_THROWS_AS(with({{0, 0, 0}, SampleKind::curve, 12, 0.5}), invalid_connectivity);
+  CHECK_THROWS_AS(with({surface.points[0], SampleKind::corner, 0, 0}), invalid_option);
+  CHECK_THROWS_AS(with({surface.points[surface.triangles[0][0]], SampleKind::surface, 0, 0}), invalid_option);
 }

@@ -8,14 +8,17 @@ namespace framehex {
 
 /// A surface whose vertices are chosen samples.
 struct Retriangulation {
-  IndexedTriangleMesh surface;  ///< vertices: the samples in their order, then what could not be removed
+  IndexedTriangleMesh surface;  ///< vertices: the the samples in their order, then others
   FeatureGraph features;        ///< of `surface`; the corners, curves and patches of the input
   std::size_t n_unremoved = 0;  ///< input vertices that are no samples and had to stay
+  std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface from crossing itself
+  std::size_t n_crossings = 0;  ///< pairs of triangles that cross all the same
 };
 
 /// What a retriangulation may do.
 struct RetriangulationOptions {
   double max_bend = 60 * std::numbers::pi / 180;  ///< rad; a new triangle's normal from the input's nearby
+  int repair_rounds = 12;                         ///< cuts against self-intersections; -1: do not even look for them
 };
 
 namespace detail {
@@ -30,7 +33,8 @@ public:
         options_(options),
         surface_(input, adjacency_, features),
         normals_(surface_, adjacency_),
-        inserter_(surface_, normals_, features, samples) {}
+        chains_(input.points, features.curves),
+        inserter_(surface_, normals_, features, samples, chains_) {}
 
   Retriangulation run() {
     inserter_.run();
@@ -38,7 +42,14 @@ public:
     remover.flipper().push_all();
     remover.flipper().run(DelaunayFlipper::Scope::within_patches);
     remove_unwanted(remover);
-    return result();
+    chains_.drop_dead([&](index_t v) { return surface_.half_edge_of[v] != no_index; });
+    std::size_t n_crossings = 0;
+    first_added_ = static_cast<index_t>(surface_.points.size());
+    if (options_.repair_rounds >= 0)
+      n_crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper()).run(options_.repair_rounds);
+    Retriangulation r = result();
+    r.n_crossings = n_crossings;
+    return r;
   }
 
 private:
@@ -47,14 +58,15 @@ private:
     std::vector<index_t> inside, on_curves;
     std::vector<char> corner(surface_.points.size(), 0);
     for (const index_t v : features_.corners) corner[v] = 1;
-    for (index_t v = 0; v < features_input_size(); ++v) {
+    for (index_t v = 0; v < adjacency_.n_vertices(); ++v) {
       if (inserter_.sample_of_vertex()[v] != no_index || corner[v] || surface_.half_edge_of[v] == no_index) continue;
       (remover.feature_valence(v) == 0 ? inside : on_curves).push_back(v);
     }
     const double upright = std::cos(options_.max_bend);
     for (const VertexRemover::Limits& limits :
          {VertexRemover::Limits{std::max(0.8, upright), 0.05}, VertexRemover::Limits{upright, 1e-2},
-          VertexRemover::Limits{upright, 1e-3}, VertexRemover::Limits{upright / 2, 1e-3}}) {
+          VertexRemover::Limits{upright, 1e-3}, VertexRemover::Limits{upright / 2, 1e-3},
+          VertexRemover::Limits{0.05, 1e-4}}) {
       for (std::size_t before = no_index; inside.size() + on_curves.size() < before;) {
         before = inside.size() + on_curves.size();
         remover.run(inside, limits);
@@ -65,8 +77,6 @@ private:
     remover.flipper().run(DelaunayFlipper::Scope::within_patches);
   }
 
-  index_t features_input_size() const { return static_cast<index_t>(adjacency_.n_vertices()); }
-
   Retriangulation result() const {
     Retriangulation r;
     std::vector<index_t> new_index(surface_.points.size(), no_index);
@@ -76,7 +86,7 @@ private:
       if (new_index[v] != no_index || surface_.half_edge_of[v] == no_index) continue;
       new_index[v] = static_cast<index_t>(r.surface.points.size());
       r.surface.points.push_back(surface_.points[v]);
-      ++r.n_unremoved;
+      ++(v < first_added_ ? r.n_unremoved : r.n_added);
     }
     for (index_t t = 0; t < surface_.n_triangles(); ++t) {
       if (!surface_.alive(t)) continue;
@@ -89,18 +99,11 @@ private:
     for (const index_t v : features_.corners)
       if (new_index[v] != no_index) r.features.corners.push_back(new_index[v]);
     std::sort(r.features.corners.begin(), r.features.corners.end());
-    for (std::size_t c = 0; c < inserter_.curves().size(); ++c) append_curve(inserter_.curves()[c], new_index, r);
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      for (const auto& link : chains_.row(c)) r.features.curves.values.push_back(new_index[link.vertex]);
+      r.features.curves.end_row();
+    }
     return r;
-  }
-
-  void append_curve(std::span<const index_t> chain, const std::vector<index_t>& new_index, Retriangulation& r) const {
-    auto& values = r.features.curves.values;
-    const std::size_t begin = values.size();
-    const bool closed = chain.front() == chain.back();
-    for (std::size_t i = 0; i + (closed ? 1 : 0) < chain.size(); ++i)
-      if (new_index[chain[i]] != no_index) values.push_back(new_index[chain[i]]);
-    if (closed && values.size() > begin) values.push_back(values[begin]);
-    r.features.curves.end_row();
   }
 
   TriangleAdjacency adjacency_;
@@ -109,7 +112,9 @@ private:
   RetriangulationOptions options_;
   EditableSurface surface_;
   SectorNormals normals_;
+  CurveChains chains_;
   SampleInserter inserter_;
+  index_t first_added_ = no_index;
 };
 
 }  // namespace detail
@@ -118,12 +123,16 @@ private:
 ///
 /// The samples are inserted into the input triangulation, edges are flipped until it is Delaunay, and every vertex that
 /// is not a sample is collapsed into a neighbour, with flips in between. Features are never crossed, triangles never
-/// bent away from the input's normals by more than `options.max_bend`.
+/// bent away from the input's normals by more than `options.max_bend` unless nothing else removes a vertex.
+///
+/// Where walls are thin for the spacing of the samples the result may cross itself. Triangles that do are cut at their
+/// longest edges, at points of the input, until they do not.
 ///
 /// @param surface   closed (or with rims), edge-manifold, oriented outward.
 /// @param features  of `surface`. Every corner should be a sample; one that is not stays as an unremoved vertex.
 /// @param samples   in any order, no two the same point; each closed curve needs three, each corner itself.
-/// @return samples as vertices 0 to n-1 at their exact positions, then the input vertices that could not be removed.
+/// @return samples as vertices 0 to n-1 at their exact positions, then the input vertices that could not be removed,
+///         then those added by the repair.
 /// @throws invalid_coordinate, invalid_connectivity  with the index of a sample that is not finite or refers to no
 /// entity;
 ///         invalid_option with two samples in one place; nonmanifold.

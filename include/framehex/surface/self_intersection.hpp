@@ -88,6 +88,11 @@ inline bool plainly_apart(const std::array<Vector3, 3>& s, const std::array<Vect
     }
     return beyond(a, b, n) || beyond(a, b, -n);
   };
+  // The lines of edges often run on into the neighbour's edges, on lattices always: then this one lies between.
+  const auto direction = [&](const std::array<Vector3, 3>& a) {
+    return Vector3((a[1] - a[0]).stableNormalized() + (a[2] - a[0]).stableNormalized());
+  };
+  if (shared == 1 && beyond(s, t, direction(t) - direction(s))) return true;
   return apart(s, t) || apart(t, s);
 }
 

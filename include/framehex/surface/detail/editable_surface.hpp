@@ -130,13 +130,13 @@ public:
     opposite[3 * t2] = no_index;
     if (g == no_index) return 3 * t2;
 
-    const Corner d = corner(previous(g));
+    const Corner d = corner(previous(g)), a_right = corner(next(g));
     const index_t s = g / 3;
     const Side ad = side(next(g));
     const index_t s2 = add_triangle(s);
     corners[s][next(g) % 3] = v;
     sector[next(g)] = right;
-    set(s2, {v_right, a, d});
+    set(s2, {v_right, a_right, d});
     attach(3 * s2 + 1, ad);
     join(3 * s2 + 2, next(g), 0);
     half_edge_of[d.vertex] = 3 * s2 + 2;

@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/triangle_distance.hpp"
 #include "framehex/surface/detail/delaunay_flips.hpp"
+#include "framehex/surface/detail/surface_repair.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
 #include <span>
@@ -14,8 +15,13 @@ namespace framehex::detail {
 class SampleInserter {
 public:
   SampleInserter(EditableSurface& surface, SectorNormals& normals, const FeatureGraph& features,
-                 std::span<const SurfaceSample> samples)
-      : surface_(surface), normals_(normals), features_(features), samples_(samples), flipper_(surface, normals) {
+                 std::span<const SurfaceSample> samples, CurveChains& chains)
+      : surface_(surface),
+        normals_(normals),
+        features_(features),
+        samples_(samples),
+        chains_(chains),
+        flipper_(surface, normals) {
     for (std::size_t i = 0; i < samples.size(); ++i) check(i);
     sample_of_vertex_.assign(surface.points.size(), no_index);
     vertex_of_sample_.assign(samples.size(), no_index);
@@ -30,7 +36,6 @@ public:
 
   const std::vector<index_t>& vertex_of_sample() const { return vertex_of_sample_; }
   const std::vector<index_t>& sample_of_vertex() const { return sample_of_vertex_; }  ///< or `no_index`
-  const Csr<index_t>& curves() const { return curves_; }  ///< all vertices along each curve, old and new
 
 private:
   static constexpr double same_point = 1e-7;  ///< relative to the edges about it
@@ -76,17 +81,19 @@ private:
       std::sort(order.begin(), order.end(), [&](index_t a, index_t b) {
         return samples_[a].arc < samples_[b].arc || (samples_[a].arc == samples_[b].arc && a < b);
       });
-      insert_on_curve(features_.curves[c], order);
+      insert_on_curve(c, order);
     }
   }
 
-  void insert_on_curve(std::span<const index_t> curve, const std::vector<index_t>& order) {
-    double begin = 0;
+  void insert_on_curve(std::size_t c, const std::vector<index_t>& order) {
+    const auto curve = features_.curves[c];
+    const auto arcs = chains_.arcs(c);
+    auto& row = chains_.row(c);
     std::size_t next = 0;
-    curves_.values.push_back(curve[0]);
+    row.push_back({curve[0], 0});
     for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
       const index_t a = curve[i], b = curve[i + 1];
-      const double length = (surface_.points[b] - surface_.points[a]).norm();
+      const double begin = arcs[i], length = arcs[i + 1] - arcs[i];
       const bool last = i + 2 == curve.size();
       index_t at = a;
       for (; next < order.size() && (last || samples_[order[next]].arc < begin + (1 - same_point) * length); ++next) {
@@ -97,13 +104,11 @@ private:
           take(b, order[next]);
         } else {
           at = split_feature(at, b, a, position, order[next]);
-          curves_.values.push_back(at);
+          row.push_back({at, samples_[order[next]].arc});
         }
       }
-      curves_.values.push_back(b);
-      begin += length;
+      row.push_back({b, arcs[i + 1]});
     }
-    curves_.end_row();
   }
 
   /// Splits what is left, (at, b), of input edge (a, b).
@@ -230,9 +235,9 @@ private:
   SectorNormals& normals_;
   const FeatureGraph& features_;
   std::span<const SurfaceSample> samples_;
+  CurveChains& chains_;
   DelaunayFlipper flipper_;
   std::vector<index_t> sample_of_vertex_, vertex_of_sample_;
-  Csr<index_t> curves_;
 };
 
 }  // namespace framehex::detail

@@ -15,6 +15,7 @@ public:
   /// @pre `surface` has not been edited yet.
   SectorNormals(const EditableSurface& surface, const TriangleAdjacency& adjacency)
       : surface_(surface),
+        original_patch_(surface.patch),
         original_points_(surface.points),
         original_corners_(surface.corners),
         original_sector_(surface.sector) {
@@ -33,6 +34,7 @@ public:
   const Vector3& of_triangle(index_t parent) const { return triangle_[parent]; }
   std::size_t n_triangles() const { return original_corners_.size(); }
   const Vector3& point(index_t v) const { return original_points_[v]; }  ///< of the input, before samples took it over
+  index_t patch_of(index_t parent) const { return original_patch_[parent]; }
   const std::array<index_t, 3>& corners_of(index_t parent) const { return original_corners_[parent]; }
 
   /// Normal at the corner from which half edge h starts.
@@ -43,7 +45,12 @@ public:
   index_t add(EditableSurface& surface, index_t parent, const Vector3& barycentric) {
     Vector3 n = Vector3::Zero();
     for (index_t i = 0; i < 3; ++i) n += barycentric[static_cast<int>(i)] * normals_[original_sector_[3 * parent + i]];
-    normals_.push_back(n.norm() > 1e-12 ? Vector3(n.normalized()) : triangle_[parent]);
+    return add(surface, n.norm() > 1e-12 ? n : triangle_[parent]);
+  }
+
+  /// Adds a normal of any length.
+  index_t add(EditableSurface& surface, const Vector3& normal) {
+    normals_.push_back(normal.norm() > 1e-12 ? Vector3(normal.normalized()) : Vector3(Vector3::Zero()));
     return surface.add_sector();
   }
 
@@ -59,6 +66,7 @@ public:
 
 private:
   const EditableSurface& surface_;
+  std::vector<index_t> original_patch_;
   std::vector<Vector3> original_points_;
   std::vector<std::array<index_t, 3>> original_corners_;
   std::vector<index_t> original_sector_;

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/geometry/triangle_distance.hpp"
+#include "framehex/surface/detail/delaunay_flips.hpp"
+#include "framehex/surface/self_intersection.hpp"
+
+#include <optional>
+#include <span>
+#include <unordered_map>
+
+namespace framehex::detail {
+
+/// The curves of a surface while vertices come and go: vertices with their arc lengths on the input's curves.
+class CurveChains {
+public:
+  struct Link {
+    index_t vertex;
+    double arc;
+  };
+
+  /// @param input  vertices along each curve of the input surface; must outlive this.
+  CurveChains(const std::vector<Vector3>& points, const Csr<index_t>& input) : input_(input) {
+    for (std::size_t c = 0; c < input.size(); ++c) {
+      double arc = 0;
+      for (std::size_t i = 0; i < input[c].size(); ++i) {
+        input_points_.push_back(points[input[c][i]]);
+        if (i > 0) arc += (points[input[c][i]] - points[input[c][i - 1]]).norm();
+        input_arcs_.push_back(arc);
+      }
+    }
+    rows_.resize(input.size());
+  }
+
+  std::size_t size() const { return rows_.size(); }
+  std::vector<Link>& row(std::size_t c) { return rows_[c]; }
+  const std::vector<Link>& row(std::size_t c) const { return rows_[c]; }
+  std::span<const double> arcs(std::size_t c) const {
+    return {input_arcs_.data() + input_.offsets[c], input_[c].size()};
+  }
+  double length(std::size_t c) const { return arcs(c).back(); }
+
+  /// Point of the input's curve c at an arc length.
+  Vector3 point(std::size_t c, double arc) const {
+    const auto a = arcs(c);
+    const auto at = std::upper_bound(a.begin() + 1, a.end() - 1, arc) - a.begin();
+    const std::size_t i = input_.offsets[c] + static_cast<std::size_t>(at);
+    const double length = input_arcs_[i] - input_arcs_[i - 1];
+    const double x = length > 0 ? std::clamp((arc - input_arcs_[i - 1]) / length, 0.0, 1.0) : 0.0;
+    return input_points_[i - 1] + x * (input_points_[i] - input_points_[i - 1]);
+  }
+
+  /// Drops vertices that are gone; a closed curve then starts at its first survivor.
+  template <class Alive>
+  void drop_dead(Alive&& alive) {
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+      auto& row = rows_[c];
+      if (row.empty()) continue;
+      const bool closed = row.front().vertex == row.back().vertex;
+      if (closed) row.pop_back();
+      std::erase_if(row, [&](const Link& link) { return !alive(link.vertex); });
+      if (closed && !row.empty()) row.push_back({row.front().vertex, row.front().arc + length(c)});
+    }
+  }
+
+private:
+  const Csr<index_t>& input_;
+  std::vector<Vector3> input_points_;
+  std::vector<double> input_arcs_;
+  std::vector<std::vector<Link>> rows_;
+};
+
+/// Takes self-intersections out of an EditableSurface by bringing it nearer to the surface that it stands for, where
+/// they are: the longest edges of the triangles that cross are cut at points of the input.
+class SurfaceRepair {
+public:
+  SurfaceRepair(EditableSurface& surface, SectorNormals& normals, CurveChains& chains, DelaunayFlipper& flipper)
+      : surface_(surface), normals_(normals), chains_(chains), flipper_(flipper) {}
+
+  /// @return number of triangle pairs that still cross after at most `max_rounds` rounds.
+  std::size_t run(int max_rounds) {
+    std::vector<index_t> crossing = crossing_triangles();
+    for (int round = 0; round < max_rounds && !crossing.empty(); ++round) {
+      if (tree_.nodes().empty()) build_tree();
+      for (const index_t t : crossing)
+        if (surface_.alive(t)) split_longest(t);
+      flipper_.run(DelaunayFlipper::Scope::within_patches);
+      crossing = crossing_triangles();
+    }
+    return n_pairs_;
+  }
+
+private:
+  std::vector<index_t> crossing_triangles() {
+    IndexedTriangleMesh mesh;
+    mesh.points = surface_.points;
+    std::vector<index_t> triangle_of;
+    for (index_t t = 0; t < surface_.n_triangles(); ++t) {
+      if (!surface_.alive(t)) continue;
+      triangle_of.push_back(t);
+      mesh.triangles.push_back(surface_.corners[t]);
+    }
+    const auto pairs = find_self_intersections(mesh);
+    n_pairs_ = pairs.size();
+    std::vector<index_t> crossing;
+    for (const auto& pair : pairs)
+      for (const index_t t : pair) crossing.push_back(triangle_of[t]);
+    std::sort(crossing.begin(), crossing.end());
+    crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
+    return crossing;
+  }
+
+  void build_tree() {
+    std::vector<BoxTree::Bounds> boxes;
+    for (index_t t = 0; t < normals_.n_triangles(); ++t) {
+      const auto& v = normals_.corners_of(t);
+      boxes.push_back(triangle_bounds(normals_.point(v[0]), normals_.point(v[1]), normals_.point(v[2])));
+    }
+    tree_ = BoxTree(boxes);
+  }
+
+  void split_longest(index_t t) {
+    const auto length = [&](index_t h) {
+      return (surface_.points[surface_.to(h)] - surface_.points[surface_.from(h)]).squaredNorm();
+    };
+    index_t h = 3 * t;
+    for (index_t o = 3 * t + 1; o < 3 * t + 3; ++o)
+      if (length(o) > length(h)) h = o;
+    if (surface_.feature[h])
+      split_on_curve(h);
+    else
+      split_in_patch(h);
+  }
+
+  struct Foot {
+    index_t triangle;
+    TrianglePoint place;
+  };
+
+  /// Nearest point of the input in a patch, on triangles that face the same way.
+  std::optional<Foot> project(const Vector3& p, index_t patch, const Vector3& facing) const {
+    std::optional<Foot> best;
+    double distance = std::numeric_limits<double>::infinity();
+    tree_.nearest(p, distance, [&](index_t first, index_t count) {
+      for (index_t i = first; i < first + count; ++i) {
+        const index_t t = tree_.order()[i];
+        if (normals_.patch_of(t) != patch || normals_.of_triangle(t).dot(facing) < 0.2 * facing.norm()) continue;
+        const auto& v = normals_.corners_of(t);
+        const TrianglePoint q =
+            nearest_on_triangle(p, normals_.point(v[0]), normals_.point(v[1]), normals_.point(v[2]));
+        if (q.squared_distance > distance || (q.squared_distance == distance && best && t > best->triangle)) continue;
+        distance = q.squared_distance;
+        best = Foot{t, q};
+      }
+      return distance;
+    });
+    return best;
+  }
+
+  void split_in_patch(index_t h) {
+    const Vector3 &a = surface_.points[surface_.from(h)], &b = surface_.points[surface_.to(h)];
+    const Vector3 middle = (a + b) / 2;
+    const auto foot = project(middle, surface_.patch[h / 3], normals_.at(h) + normals_.at(EditableSurface::next(h)));
+    if (!foot || foot->place.squared_distance > 0.1 * (b - a).squaredNorm()) return;
+    const index_t sector = normals_.add(surface_, foot->triangle, foot->place.barycentric);
+    const index_t v = surface_.add_vertex(foot->place.point);
+    surface_.split_edge(h, v, sector, sector);
+    flipper_.push_star(v);
+  }
+
+  void split_on_curve(index_t h) {
+    const index_t a = surface_.from(h), b = surface_.to(h), g = surface_.opposite[h];
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      auto& row = chains_.row(c);
+      for (std::size_t i = 0; i + 1 < row.size(); ++i) {
+        const bool forth = row[i].vertex == a && row[i + 1].vertex == b;
+        if (!forth && !(row[i].vertex == b && row[i + 1].vertex == a)) continue;
+        const double arc = std::fmod((row[i].arc + row[i + 1].arc) / 2, chains_.length(c));
+        const Vector3 point = chains_.point(c, arc);
+        const Vector3 left = normals_.at(h) + normals_.at(EditableSurface::next(h));
+        const index_t left_sector = normals_.add(surface_, left);
+        const index_t right_sector =
+            g == no_index ? left_sector
+                          : normals_.add(surface_, Vector3(normals_.at(g) + normals_.at(EditableSurface::next(g))));
+        const index_t v = surface_.add_vertex(point);
+        surface_.split_edge(h, v, left_sector, right_sector);
+        row.insert(row.begin() + static_cast<std::ptrdiff_t>(i) + 1, {v, (row[i].arc + row[i + 1].arc) / 2});
+        flipper_.push_star(v);
+        return;
+      }
+    }
+  }
+
+  EditableSurface& surface_;
+  SectorNormals& normals_;
+  CurveChains& chains_;
+  DelaunayFlipper& flipper_;
+  BoxTree tree_;
+  std::size_t n_pairs_ = 0;
+};
+
+}  // namespace framehex::detail
