@@ -258,7 +258,7 @@ inline ComplexBuilder::Refusal ComplexBuilder::add_side(const std::array<index_t
     for (int i = 0; i < 2; ++i) side.outer[static_cast<std::size_t>(i)] = beyond(sliver, side.outer_diagonal, i);
   }
   if (!face_label_.empty())
-    for (const int diagonal : {0, 1})
+    for (const int diagonal : {inner_diagonal, side.outer_diagonal})
       if (label(diagonal, 0) != label(diagonal, 1)) return {"one of its faces lies on two labelled patches"};
 
   const State first = state(side.outer[0]), second = state(side.outer[1]);
