@@ -118,7 +118,7 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
   detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics);
   statistics.n_open_quadrilaterals = complex.open_quads.size();
   closer.merge_pairs(options.quality_floor);
-  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, {});
+  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, {}, statistics);
   if (options.interfaces != InterfaceMode::open) {
     if (options.improvement == ImprovementMode::improve) improver.reconnect();
     closer.close_all();

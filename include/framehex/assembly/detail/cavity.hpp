@@ -22,6 +22,11 @@ struct Cavity {
   bool contains(index_t cell) const { return std::find(cells.begin(), cells.end(), cell) != cells.end(); }
 };
 
+/// Kinds that may be taken apart at no loss.
+inline bool is_soft(CellKind kind) {
+  return kind == CellKind::tetrahedron || kind == CellKind::pyramid;
+}
+
 /// The cell that joins a face of a cavity to an apex inside.
 struct StarCell {
   CellKind kind;

@@ -138,6 +138,15 @@ public:
     return std::find(c.begin(), c.end(), vertex) != c.end();
   }
 
+  bool has_edge(index_t cell, index_t v, index_t w) const {
+    for (const auto& local : edges_of(cells[cell].kind)) {
+      const index_t a = cells[cell].corners[static_cast<std::size_t>(local[0])];
+      const index_t b = cells[cell].corners[static_cast<std::size_t>(local[1])];
+      if ((a == v && b == w) || (a == w && b == v)) return true;
+    }
+    return false;
+  }
+
   std::size_t n_faces(index_t cell) const { return faces_of(cells[cell].kind).size(); }
 
   /// Face `f` of a cell, anticlockwise seen from outside; a triangle's fourth vertex is `no_index`.

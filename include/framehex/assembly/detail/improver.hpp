@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/assembly/detail/reconnector.hpp"
+#include "framehex/assembly/detail/stubborn_cells.hpp"
 #include "framehex/assembly/detail/vertex_smoother.hpp"
 
 namespace framehex::detail {
@@ -9,8 +10,13 @@ namespace framehex::detail {
 /// Alternates between moving vertices and reconnecting until the energy hardly falls.
 class Improver {
 public:
-  Improver(CellComplex& complex, const QualityEnergy& energy, const VertexSmoother::Projection& projection)
-      : complex_(complex), energy_(energy), smoother_(complex, energy, projection), reconnector_(complex, energy) {}
+  Improver(CellComplex& complex, const QualityEnergy& energy, const VertexSmoother::Projection& projection,
+           AssemblyStatistics& statistics)
+      : complex_(complex),
+        energy_(energy),
+        smoother_(complex, energy, projection),
+        reconnector_(complex, energy),
+        stubborn_(complex, energy, statistics) {}
 
   /// First without the vertices of hexahedra, whose volume and quality are worth keeping, then with them.
   void run(int max_rounds) {
@@ -25,6 +31,29 @@ public:
       }
     }
     smooth(5, true);
+    for (const double quality : {0.6, 0.4}) {
+      if (!replace_stubborn(quality, false)) continue;
+      smooth(3, true);
+      reconnect();
+    }
+    if (replace_stubborn(0.3, true)) {
+      smooth(3, true);
+      reconnect();
+      smooth(3, true);
+    }
+  }
+
+  /// @param quality  over the target, below which a cell is stubborn.
+  bool replace_stubborn(double quality, bool hexahedra_too) {
+    collect();
+    const std::vector<Bad> bad = bad_;
+    std::size_t n_replaced = 0;
+    for (const Bad& b : bad) {
+      if (b.worst >= quality) break;
+      if (!complex_.cells[b.cell].alive) continue;
+      if (stubborn_.insert_vertex(b.cell) || (hexahedra_too && stubborn_.split_neighbour(b.cell))) ++n_replaced;
+    }
+    return n_replaced > 0;
   }
 
   /// Finds the cells with energy, worst first. @return their energy.
@@ -86,6 +115,7 @@ private:
   QualityEnergy energy_;
   VertexSmoother smoother_;
   Reconnector reconnector_;
+  StubbornCells stubborn_;
   std::vector<Bad> bad_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/assembly/detail/cavity_grower.hpp"
 #include "framehex/assembly/detail/originals.hpp"
 #include "framehex/assembly/options.hpp"
 
@@ -11,7 +12,12 @@ class InterfaceCloser {
 public:
   InterfaceCloser(CellComplex& complex, const Originals& originals, double quality_floor,
                   AssemblyStatistics& statistics)
-      : complex_(complex), filler_(complex), originals_(originals), floor_(quality_floor), statistics_(statistics) {}
+      : complex_(complex),
+        filler_(complex),
+        grower_(complex, filler_),
+        originals_(originals),
+        floor_(quality_floor),
+        statistics_(statistics) {}
 
   /// Merges pairs of tetrahedra with a common apex on an open quadrilateral, the best pyramids first.
   void merge_pairs(double least_quality) {
@@ -90,8 +96,7 @@ private:
     if (!gather_fan(quad, cavity_) || !filler_.build(cavity_)) return false;
     Vector3 point;
     double quality = place_over(quad, cavity_, point);
-    for (int growth = 0; growth < 8 && grow(quad, quality, point); ++growth) {
-    }
+    grower_.grow(cavity_, quality, point, 0.2 * frame_over(quad).side);
     if (quality < comfortable) grow_round_points(quad, quality, point);
     if (quality < least_quality) return false;
     return fill_from_new_vertex(cavity_, point, statistics_.n_raised);
@@ -103,7 +108,7 @@ private:
     Cavity grown;
     for (const double height : {0.5, 0.3, 0.15}) {
       Vector3 place = frame.centre + height * frame.up;
-      if (!gather_fan(quad, grown) || !filler_.build(grown) || !uncover(place, 0.05, grown)) continue;
+      if (!gather_fan(quad, grown) || !filler_.build(grown) || !grower_.uncover(place, 0.05, grown)) continue;
       const double start = filler_.evaluate(grown, place, no_index);
       const double reached = filler_.improve_point(grown, place, 0.1 * frame.side, start);
       if (reached <= quality) continue;
@@ -111,71 +116,6 @@ private:
       point = place;
       std::swap(cavity_, grown);
     }
-  }
-
-  /// Grows a cavity until all of its faces are well seen from a point.
-  bool uncover(const Vector3& point, double least_quality, Cavity& cavity) {
-    constexpr std::size_t max_cells = 40;
-    std::array<Vector3, 5> p;
-    for (bool grown = true; grown;) {
-      grown = false;
-      for (const auto& face : cavity.faces) {
-        const StarCell cell = star_cell(face, no_index);
-        const auto n = static_cast<std::size_t>(n_corners(cell.kind));
-        for (std::size_t i = 0; i < n; ++i)
-          p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
-        if (scaled_jacobian(cell.kind, {p.data(), n}) >= least_quality) continue;
-        const index_t beyond = cell_beyond(face, cavity);
-        if (beyond == no_index) return false;
-        if (!cavity.contains(beyond)) cavity.cells.push_back(beyond);
-        grown = true;
-      }
-      if (grown && (cavity.cells.size() > max_cells || !filler_.build(cavity))) return false;
-    }
-    return true;
-  }
-
-  /// Adds the cell behind the face that limits the quality, if the best new vertex is then better.
-  bool grow(index_t quad, double& quality, Vector3& point) {
-    std::array<Vector3, 5> p;
-    index_t beyond = no_index;
-    double worst = std::numeric_limits<double>::infinity();
-    for (const auto& face : cavity_.faces) {
-      const StarCell cell = star_cell(face, no_index);
-      const auto n = static_cast<std::size_t>(n_corners(cell.kind));
-      for (std::size_t i = 0; i < n; ++i) p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
-      const double q = scaled_jacobian(cell.kind, {p.data(), n});
-      if (q >= worst) continue;
-      worst = q;
-      beyond = cell_beyond(face, cavity_);
-    }
-    if (beyond == no_index) return false;
-    trial_ = cavity_;
-    trial_.cells.push_back(beyond);
-    if (!filler_.build(trial_)) return false;
-    Vector3 trial_point = point;
-    const double start = filler_.evaluate(trial_, point, no_index);
-    const double step = 0.2 * (complex_.points[complex_.open_quads[quad].vertices[0]] - point).norm();
-    const double trial_quality = filler_.improve_point(trial_, trial_point, step, start);
-    if (trial_quality <= quality) return false;
-    quality = trial_quality;
-    point = trial_point;
-    std::swap(cavity_, trial_);
-    return true;
-  }
-
-  /// The tetrahedron or pyramid on the other side of a face of the cavity.
-  index_t cell_beyond(const std::array<index_t, 4>& face, const Cavity& cavity) const {
-    const FaceKey key = face_key(face);
-    index_t found = no_index;
-    complex_.for_each_cell_at(key[0], [&](index_t cell) {
-      if (found != no_index || cavity.contains(cell)) return;
-      const CellKind kind = complex_.cells[cell].kind;
-      if (kind != CellKind::tetrahedron && kind != CellKind::pyramid) return;
-      for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
-        if (face_key(complex_.face(cell, f)) == key) found = cell;
-    });
-    return found;
   }
 
   /// Where a quadrilateral lies, and the way out of its cell with the length of its side.
@@ -242,10 +182,11 @@ private:
 
   CellComplex& complex_;
   CavityFiller filler_;
+  CavityGrower grower_;
   const Originals& originals_;
   double floor_;
   AssemblyStatistics& statistics_;
-  Cavity cavity_, trial_;
+  Cavity cavity_;
 };
 
 }  // namespace framehex::detail

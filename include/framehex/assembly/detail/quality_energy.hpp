@@ -40,7 +40,7 @@ struct QualityEnergy {
 
 /// Whether a change that lowers the energy may be made: the worst cell gets no worse, or stays acceptable.
 inline bool acceptable(double worst_before, double worst_after) {
-  return worst_after >= worst_before || worst_after >= 0.7;
+  return worst_after >= worst_before || worst_after >= 0.8;
 }
 
 }  // namespace framehex::detail

@@ -33,23 +33,12 @@ public:
   const std::vector<index_t>& new_cells() const { return filler_.new_cells; }
 
 private:
-  static bool is_soft(CellKind kind) { return kind == CellKind::tetrahedron || kind == CellKind::pyramid; }
-
-  bool has_edge(index_t cell, index_t v, index_t w) const {
-    for (const auto& local : edges_of(complex_.cells[cell].kind)) {
-      const index_t a = complex_.cells[cell].corners[static_cast<std::size_t>(local[0])];
-      const index_t b = complex_.cells[cell].corners[static_cast<std::size_t>(local[1])];
-      if ((a == v && b == w) || (a == w && b == v)) return true;
-    }
-    return false;
-  }
-
   void try_edge(index_t v, index_t w) {
     trial_.cells.clear();
     bool usable = true;
     complex_.for_each_cell_at(v, [&](index_t cell) {
       if (!usable || !complex_.has_vertex(cell, w)) return;
-      if (is_soft(complex_.cells[cell].kind) && has_edge(cell, v, w))
+      if (is_soft(complex_.cells[cell].kind) && complex_.has_edge(cell, v, w))
         trial_.cells.push_back(cell);
       else
         usable = false;

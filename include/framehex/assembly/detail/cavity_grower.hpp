@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/assembly/detail/cavity.hpp"
+
+namespace framehex::detail {
+
+/// Adds tetrahedra and pyramids to a cavity so that a new vertex sees its faces better.
+class CavityGrower {
+public:
+  CavityGrower(CellComplex& complex, CavityFiller& filler) : complex_(complex), filler_(filler) {}
+
+  /// Adds one by one the cell behind the face that limits the quality, as long as the best place is then better.
+  /// @param step  first step of the search for a place.
+  void grow(Cavity& cavity, double& quality, Vector3& point, double step) {
+    constexpr int max_cells = 8;
+    for (int i = 0; i < max_cells; ++i) {
+      const index_t beyond = cell_beyond(worst_face(cavity, point), cavity);
+      if (beyond == no_index) return;
+      trial_.cells = cavity.cells;
+      trial_.cells.push_back(beyond);
+      if (!filler_.build(trial_)) return;
+      Vector3 trial_point = point;
+      const double start = filler_.evaluate(trial_, trial_point, no_index);
+      const double trial_quality = filler_.improve_point(trial_, trial_point, step, start);
+      if (trial_quality <= quality) return;
+      quality = trial_quality;
+      point = trial_point;
+      std::swap(cavity, trial_);
+    }
+  }
+
+  /// Adds all cells that hide a face from a point, until every face is seen with a least quality.
+  bool uncover(const Vector3& point, double least_quality, Cavity& cavity) {
+    constexpr std::size_t max_cells = 40;
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (const auto& face : cavity.faces) {
+        if (face_quality(face, point) >= least_quality) continue;
+        const index_t beyond = cell_beyond(face, cavity);
+        if (beyond == no_index) return false;
+        if (!cavity.contains(beyond)) cavity.cells.push_back(beyond);
+        grown = true;
+      }
+      if (grown && (cavity.cells.size() > max_cells || !filler_.build(cavity))) return false;
+    }
+    return true;
+  }
+
+private:
+  double face_quality(const std::array<index_t, 4>& face, const Vector3& point) const {
+    std::array<Vector3, 5> p;
+    const StarCell cell = star_cell(face, no_index);
+    const auto n = static_cast<std::size_t>(n_corners(cell.kind));
+    for (std::size_t i = 0; i < n; ++i) p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
+    return scaled_jacobian(cell.kind, {p.data(), n});
+  }
+
+  std::array<index_t, 4> worst_face(const Cavity& cavity, const Vector3& point) const {
+    double worst = std::numeric_limits<double>::infinity();
+    std::array<index_t, 4> found = cavity.faces.front();
+    for (const auto& face : cavity.faces) {
+      const double q = face_quality(face, point);
+      if (q >= worst) continue;
+      worst = q;
+      found = face;
+    }
+    return found;
+  }
+
+  /// The tetrahedron or pyramid on the other side of a face of the cavity.
+  index_t cell_beyond(const std::array<index_t, 4>& face, const Cavity& cavity) const {
+    const FaceKey key = face_key(face);
+    index_t found = no_index;
+    complex_.for_each_cell_at(key[0], [&](index_t cell) {
+      if (found != no_index || cavity.contains(cell) || !is_soft(complex_.cells[cell].kind)) return;
+      if (!complex_.has_vertex(cell, key[1]) || !complex_.has_vertex(cell, key[2])) return;
+      for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
+        if (face_key(complex_.face(cell, f)) == key) found = cell;
+    });
+    return found;
+  }
+
+  CellComplex& complex_;
+  CavityFiller& filler_;
+  Cavity trial_;
+};
+
+}  // namespace framehex::detail

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/assembly/detail/cavity_grower.hpp"
+#include "framehex/assembly/detail/quality_energy.hpp"
+#include "framehex/assembly/options.hpp"
+
+namespace framehex::detail {
+
+/// What is left for a bad cell that neither moving vertices nor reconnecting improves: a new vertex beside it, or a
+/// hexahedron or prism next to it split from its centre.
+class StubbornCells {
+public:
+  StubbornCells(CellComplex& complex, const QualityEnergy& energy, AssemblyStatistics& statistics)
+      : complex_(complex), filler_(complex), grower_(complex, filler_), energy_(energy), statistics_(statistics) {}
+
+  /// Replaces the cell, by cells with a new vertex among tetrahedra and pyramids.
+  bool insert_vertex(index_t cell) {
+    begin();
+    if (is_soft(complex_.cells[cell].kind)) {
+      try_cavity({cell});
+      for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
+        const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
+        const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
+        if (gather_ring(v, w)) try_cavity(ring_);
+      }
+    }
+    return commit(statistics_.n_raised);
+  }
+
+  /// Replaces the cell together with hexahedra and prisms that it has a face in common with.
+  bool split_neighbour(index_t cell) {
+    begin();
+    if (!is_soft(complex_.cells[cell].kind)) try_cavity({cell});
+    for (std::size_t f = 0; f < complex_.n_faces(cell); ++f) {
+      const index_t other = complex_.across(cell, complex_.face(cell, f));
+      if (other == no_index || is_soft(complex_.cells[other].kind)) continue;
+      try_cavity({other});
+      try_cavity({cell, other});
+    }
+    return commit(statistics_.n_split);
+  }
+
+private:
+  void begin() { best_quality_ = -1; }
+
+  bool gather_ring(index_t v, index_t w) {
+    ring_.clear();
+    bool usable = true;
+    complex_.for_each_cell_at(v, [&](index_t other) {
+      if (!usable || !complex_.has_vertex(other, w)) return;
+      usable = is_soft(complex_.cells[other].kind) && complex_.has_edge(other, v, w);
+      ring_.push_back(other);
+    });
+    return usable && ring_.size() > 1;
+  }
+
+  void try_cavity(const std::vector<index_t>& cells) {
+    trial_.cells = cells;
+    if (!filler_.build(trial_)) return;
+    Vector3 point = Vector3::Zero();
+    for (const index_t v : trial_.vertices) point += complex_.points[v] / static_cast<double>(trial_.vertices.size());
+    const double size = (complex_.points[trial_.vertices[0]] - point).norm();
+    double quality = filler_.improve_point(trial_, point, 0.2 * size, filler_.evaluate(trial_, point, no_index));
+    grower_.grow(trial_, quality, point, 0.1 * size);
+    double worst = std::numeric_limits<double>::infinity();
+    for (const index_t cell : trial_.cells) energy_.of(complex_, cell, worst);
+    // The least improvement that is worth new cells.
+    if (quality <= best_quality_ || quality / energy_.other_target < std::min(1.5 * worst + 0.02, 1.0)) return;
+    best_quality_ = quality;
+    best_point_ = point;
+    best_ = trial_;
+  }
+
+  bool commit(std::size_t& counter) {
+    if (best_quality_ <= 0) return false;
+    const index_t vertex = complex_.add_vertex(best_point_, false);
+    if (filler_.fill(best_, vertex) == 0) {
+      complex_.remove_last_vertex();
+      return false;
+    }
+    ++counter;
+    ++statistics_.n_new_vertices;
+    return true;
+  }
+
+  CellComplex& complex_;
+  CavityFiller filler_;
+  CavityGrower grower_;
+  QualityEnergy energy_;
+  AssemblyStatistics& statistics_;
+  std::vector<index_t> ring_;
+  Cavity trial_, best_;
+  Vector3 best_point_ = Vector3::Zero();
+  double best_quality_ = -1;
+};
+
+}  // namespace framehex::detail
