@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/surface/detail/editable_surface.hpp"
+#include "framehex/surface/detail/delaunay_flips.hpp"
+#include "framehex/surface/surface_locator.hpp"
 
 #include <cmath>
 #include <queue>
@@ -13,11 +14,18 @@ namespace framehex {
 struct RefinedSurface {
   IndexedTriangleMesh surface;  ///< the old vertices first, unchanged
   FeatureGraph features;        ///< the same corners, curves and patches
-  std::vector<index_t> parent;  ///< triangle -> triangle of the surface that was refined
+  std::vector<index_t> parent;  ///< triangle -> triangle of the old surface that it, or its centre, lies in
 };
 
-/// Limits of a refinement.
+/// Whether a refinement may turn edges.
+enum class RefinementFlips {
+  none,      ///< every triangle lies in one of the old surface
+  in_planes  ///< between coplanar triangles, towards Delaunay: far fewer and better triangles on the needles of CAD
+};
+
+/// How to refine, and how far.
 struct RefinementOptions {
+  RefinementFlips flips = RefinementFlips::in_planes;
   std::size_t max_triangles = 50'000'000;  ///< needing more is taken for a mistake in the lengths
 };
 
@@ -31,10 +39,15 @@ inline std::uint64_t edge_key(index_t a, index_t b) {
 template <class SizeFn>
 class Refiner {
 public:
-  Refiner(EditableSurface& surface, const SizeFn& max_edge, std::size_t max_triangles)
-      : surface_(surface), max_edge_(max_edge), max_triangles_(max_triangles) {}
+  Refiner(EditableSurface& surface, const SizeFn& max_edge, const RefinementOptions& options)
+      : surface_(surface), max_edge_(max_edge), options_(options), mixed_(surface.n_triangles(), 0) {}
 
   void run() {
+    if (options_.flips != RefinementFlips::none) {
+      for (index_t h = 0; h < surface_.opposite.size(); ++h)
+        if (surface_.opposite[h] != no_index && h < surface_.opposite[h]) doubtful_.push_back(h);
+      flip_doubtful(Offer::no);
+    }
     for (index_t h = 0; h < surface_.opposite.size(); ++h) {
       const index_t twin = surface_.opposite[h];
       if (twin == no_index || h < twin) offer(h);
@@ -49,6 +62,9 @@ public:
     }
   }
 
+  /// Does triangle t straddle several of the old surface's?
+  bool mixed(index_t t) const { return mixed_[t] != 0; }
+
   /// Appends the vertices of edge (a, b) after a, as it has been cut.
   void expand(index_t a, index_t b, std::vector<index_t>& out) const {
     const auto it = middle_.find(edge_key(a, b));
@@ -61,6 +77,8 @@ public:
   }
 
 private:
+  enum class Offer { no, yes };
+
   struct Long {
     double excess;
     index_t half_edge, from, to;
@@ -80,12 +98,16 @@ private:
                               std::to_string(surface_.to(h)) + ") is " + std::to_string(allowed),
                           Entity::edge, {surface_.from(h), surface_.to(h)});
     const double excess = (b - a).norm() / allowed;
-    if (excess > 1) queue_.push({excess, h, surface_.from(h), surface_.to(h)});
+    if (!(excess > 1)) return;
+    // Edges that cannot be turned go before the slightly longer diagonals beside them, which then turn away by
+    // themselves.
+    const bool stays = surface_.opposite[h] == no_index || surface_.feature[h] || !coplanar(h);
+    queue_.push({stays ? 1.3 * excess : excess, h, surface_.from(h), surface_.to(h)});
   }
 
   void split(index_t h) {
-    if (surface_.n_triangles() + 2 > max_triangles_)
-      throw invalid_option("refining the surface needs more than " + std::to_string(max_triangles_) +
+    if (surface_.n_triangles() + 2 > options_.max_triangles)
+      throw invalid_option("refining the surface needs more than " + std::to_string(options_.max_triangles) +
                            " triangles: the greatest edge length is too small");
     const index_t a = surface_.from(h), b = surface_.to(h), g = surface_.opposite[h];
     const index_t v = surface_.add_vertex((surface_.points[a] + surface_.points[b]) / 2);
@@ -98,12 +120,63 @@ private:
     offer(second);
     offer(surface_.next(h));
     if (g != no_index) offer(surface_.next(g));
+    mixed_.resize(surface_.n_triangles(), mixed_[h / 3]);
+    if (g != no_index) mixed_.back() = mixed_[g / 3];
+    if (options_.flips == RefinementFlips::none) return;
+    surface_.for_each_outgoing(v, [&](index_t o) { doubtful_.insert(doubtful_.end(), {o, EditableSurface::next(o)}); });
+    flip_doubtful(Offer::yes);
+  }
+
+  /// Flips edges between coplanar triangles until they are Delaunay. No vertex moves, so the shape stays.
+  void flip_doubtful(Offer offers) {
+    std::size_t budget = 64 + 20 * doubtful_.size();
+    while (!doubtful_.empty()) {
+      const index_t h = doubtful_.back();
+      doubtful_.pop_back();
+      if (budget == 0 || !is_not_delaunay(surface_, h) || !coplanar(h) || !can_turn(h)) continue;
+      --budget;
+      const index_t t = h / 3, s = surface_.opposite[h] / 3;
+      if (surface_.parent[t] != surface_.parent[s] || mixed_[t] || mixed_[s]) mixed_[t] = mixed_[s] = 1;
+      surface_.flip(h);
+      if (offers == Offer::yes) offer(3 * t + 1);
+      doubtful_.insert(doubtful_.end(), {3 * t, 3 * t + 2, 3 * s, 3 * s + 2});
+    }
+  }
+
+  /// Are the two triangles of an edge coplanar, within what single precision leaves of a plane?
+  bool coplanar(index_t h) const {
+    constexpr double flat = 1e-6;
+    const index_t g = surface_.opposite[h];
+    const Vector3 &a = surface_.points[surface_.from(h)], &b = surface_.points[surface_.to(h)];
+    const Vector3 &c = surface_.points[surface_.apex(h)], &d = surface_.points[surface_.apex(g)];
+    const Vector3 normal = larger_normal(h);
+    const double height = std::max(std::abs((c - a).dot(normal)), std::abs((d - a).dot(normal)));
+    return height <= flat * std::sqrt(std::max((b - a).squaredNorm(), (c - d).squaredNorm())) * normal.norm();
+  }
+
+  /// Would the two triangles of an edge stay as they stand when it is turned?
+  bool can_turn(index_t h) const {
+    const index_t g = surface_.opposite[h];
+    const Vector3 &a = surface_.points[surface_.from(h)], &b = surface_.points[surface_.to(h)];
+    const Vector3 &c = surface_.points[surface_.apex(h)], &d = surface_.points[surface_.apex(g)];
+    const Vector3 normal = larger_normal(h);
+    return uprightness(a, d, c, normal) > 0.99 && uprightness(b, c, d, normal) > 0.99 &&
+           !surface_.joined(surface_.apex(h), surface_.apex(g));
+  }
+
+  Vector3 larger_normal(index_t h) const {
+    const Vector3 &a = surface_.points[surface_.from(h)], &b = surface_.points[surface_.to(h)];
+    const Vector3 &c = surface_.points[surface_.apex(h)], &d = surface_.points[surface_.apex(surface_.opposite[h])];
+    const Vector3 first = (b - a).cross(c - a), second = (d - a).cross(b - a);
+    return first.squaredNorm() > second.squaredNorm() ? first : second;
   }
 
   EditableSurface& surface_;
   const SizeFn& max_edge_;
-  std::size_t max_triangles_;
+  const RefinementOptions& options_;
   std::priority_queue<Long> queue_;
+  std::vector<char> mixed_;                            ///< triangle: made by a flip between different parents
+  std::vector<index_t> doubtful_;                      ///< half edges to be looked at
   std::unordered_map<std::uint64_t, index_t> middle_;  ///< of cut feature edges; looked up only, never walked over
 };
 
@@ -126,7 +199,7 @@ template <class SizeFn>
 RefinedSurface refine(const IndexedTriangleMesh& surface, const FeatureGraph& features, const SizeFn& max_edge,
                       const RefinementOptions& options = {}) {
   detail::EditableSurface editable(surface, make_adjacency(surface), features);
-  detail::Refiner<SizeFn> refiner(editable, max_edge, options.max_triangles);
+  detail::Refiner<SizeFn> refiner(editable, max_edge, options);
   refiner.run();
 
   RefinedSurface result;
@@ -144,6 +217,14 @@ RefinedSurface refine(const IndexedTriangleMesh& surface, const FeatureGraph& fe
   result.features.triangle_patch = std::move(editable.patch);
   result.features.is_feature = std::move(editable.feature);
   result.parent = std::move(editable.parent);
+  if (options.flips == RefinementFlips::none) return result;
+  const SurfaceLocator locator(surface);
+  for (index_t t = 0; t < result.parent.size(); ++t) {
+    if (!refiner.mixed(t)) continue;
+    const auto& v = result.surface.triangles[t];
+    const auto& p = result.surface.points;
+    result.parent[t] = locator.nearest((p[v[0]] + p[v[1]] + p[v[2]]) / 3).triangle;
+  }
   return result;
 }
 

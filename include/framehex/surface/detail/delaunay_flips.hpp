@@ -15,6 +15,22 @@ inline double uprightness(const Vector3& a, const Vector3& b, const Vector3& c, 
   return size > 0 ? normal.dot(reference) / (area * size) : 1.0;
 }
 
+/// Do the two angles opposite an edge sum to more than a straight angle? Not so on a feature or rim, nor in a tie:
+/// edges of lattices stay as they are.
+inline bool is_not_delaunay(const EditableSurface& surface, index_t h) {
+  constexpr double tie = 1e-7;
+  const index_t g = surface.opposite[h];
+  if (g == no_index || surface.feature[h]) return false;
+  const Vector3 &a = surface.points[surface.from(h)], &b = surface.points[surface.to(h)];
+  const Vector3 &c = surface.points[surface.apex(h)], &d = surface.points[surface.apex(g)];
+  const Vector3 ca = a - c, cb = b - c, da = a - d, db = b - d;
+  const double cos_c = ca.dot(cb), cos_d = da.dot(db);
+  if (cos_c >= 0 && cos_d >= 0) return false;
+  const double sin_c = ca.cross(cb).norm(), sin_d = da.cross(db).norm();
+  const double scale = std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
+  return cos_c * sin_d + sin_c * cos_d < -tie * scale;
+}
+
 /// Makes an EditableSurface Delaunay by flips that neither cross features nor bend the surface.
 class DelaunayFlipper {
 public:
@@ -49,19 +65,7 @@ public:
     return flips;
   }
 
-  /// The two opposite angles sum to more than a straight angle. Ties, as on lattices, stay as they are.
-  bool wants_flip(index_t h) const {
-    const index_t g = surface_.opposite[h];
-    if (g == no_index || surface_.feature[h]) return false;
-    const Vector3 &a = surface_.points[surface_.from(h)], &b = surface_.points[surface_.to(h)];
-    const Vector3 &c = surface_.points[surface_.apex(h)], &d = surface_.points[surface_.apex(g)];
-    const Vector3 ca = a - c, cb = b - c, da = a - d, db = b - d;
-    const double cos_c = ca.dot(cb), cos_d = da.dot(db);
-    if (cos_c >= 0 && cos_d >= 0) return false;
-    const double sin_c = ca.cross(cb).norm(), sin_d = da.cross(db).norm();
-    const double scale = std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
-    return cos_c * sin_d + sin_c * cos_d < -tie * scale;
-  }
+  bool wants_flip(index_t h) const { return is_not_delaunay(surface_, h); }
 
   bool may_flip(index_t h, Scope scope) const {
     const index_t g = surface_.opposite[h];
@@ -84,7 +88,6 @@ public:
   }
 
 private:
-  static constexpr double tie = 1e-7;
   static constexpr double upright = 0.8;  ///< cosine above which a flip may also make matters worse
 
   EditableSurface& surface_;
