@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSL-1.0
 """Cut view of a mixed mesh in the paper's colours: hexahedra grey, tetrahedra yellow, prisms red, pyramids green.
 
-    cut_view.py MESH OUT.png [--axis x|y|z] [--at FRACTION] [--view AZIMUTH ELEVATION] [--title TEXT]
+    cut_view.py MESH OUT.png [--axis x|y|z] [--at FRACTION] [--up y|z] [--view AZIMUTH ELEVATION] [--title TEXT]
 
 Cells whose centre lies beyond the plane are taken away whole, and what is then outside is drawn. Needs Debian's
 python3-numpy, python3-meshio and python3-matplotlib.
@@ -79,12 +79,16 @@ def main():
     parser.add_argument("out")
     parser.add_argument("--axis", choices="xyz", default="y")
     parser.add_argument("--at", type=float, default=0.5, help="0 to 1 along the bounding box")
+    parser.add_argument("--up", choices="yz", default="z", help="the axis drawn upwards")
     parser.add_argument("--view", type=float, nargs=2, default=None, metavar=("AZIMUTH", "ELEVATION"), help="degrees")
     parser.add_argument("--title", default="")
     arguments = parser.parse_args()
     mesh = meshio.read(arguments.mesh)
     points = np.asarray(mesh.points, float)
     axis = "xyz".index(arguments.axis)
+    if arguments.up == "y":  # a turn about x brings y where z is drawn
+        points = points[:, [0, 2, 1]] * [1, -1, 1]
+        axis = [0, 2, 1][axis]
     view = arguments.view or [(25, 20), (65, 20), (40, 60)][axis]
     faces = visible_faces(points, [(b.type, np.asarray(b.data)) for b in mesh.cells], axis, arguments.at)
     draw(points, faces, camera(*view), arguments.out, arguments.title)

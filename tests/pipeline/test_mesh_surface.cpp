@@ -55,7 +55,7 @@ TEST_CASE("the result is the same for any number of threads, and for a second ru
     return mesh_surface(surface, Constant{0.4}, TetgenProcess{}, MeshingOptions{}, executor).recombination.mesh;
   };
   const MixedMesh once = run(SerialExecutor{});
-  for (const std::size_t threads : {1, 2, 5}) {
+  for (const std::size_t threads : {std::size_t{1}, std::size_t{2}, std::size_t{5}}) {
     const MixedMesh again = run(ThreadExecutor(threads));
     CHECK(again.points == once.points);
     CHECK(again.kinds == once.kinds);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/field/compute_frame_field.hpp"
+#include "framehex/field/singular_graph.hpp"
 #include "framehex/insertion/background.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
@@ -45,7 +46,7 @@ struct MeshingStatistics {
   double smoothness_mean = 0;  ///< over the background vertices
   double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
   double dirichlet_energy = 0;
-  std::size_t n_singular_edges = 0;
+  std::size_t n_singular_edges = 0;  ///< facets through which a singular line of the field passes
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
@@ -150,6 +151,7 @@ private:
       s.fraction_smooth += (value >= 0.85 ? 1.0 : 0.0) / static_cast<double>(smoothness.size());
     }
     s.dirichlet_energy = field_->dirichlet_energy();
+    s.n_singular_edges = singular_graph(field_->adjacency(), field_->points(), field_->frames()).facets.size();
     return true;
   }
 
