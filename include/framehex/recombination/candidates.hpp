@@ -24,6 +24,7 @@ struct Candidates {
   Status status = Status::complete;
 
   std::size_t size() const { return vertices.size(); }
+  bool empty() const { return vertices.empty(); }
 };
 
 /// The kind of cell with that many corners.

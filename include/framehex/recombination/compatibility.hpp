@@ -34,7 +34,7 @@ inline CornerPair corner_pair(CellKind kind, std::span<const index_t> vertices, 
     const auto& c = face.corners;
     for (std::size_t i = 0; i < 2; ++i)
       if (is_pair(c[i], c[i + 2])) {
-        const auto [low, high] = std::minmax(at(c[1 - i]), at(c[3 - i]));
+        const auto [low, high] = std::minmax({at(c[1 - i]), at(c[3 - i])});
         return {CornerPair::Link::diagonal, low, high};
       }
   }
