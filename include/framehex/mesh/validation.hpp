@@ -44,16 +44,9 @@ std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, En
 
 }  // namespace detail
 
-/// Checks once, before any work, all that the stages assume of a tetrahedral mesh.
-///
-/// Parts that touch in a vertex or an edge, several components and isolated vertices are allowed.
-///
-/// @throws invalid_coordinate, invalid_connectivity, inverted_cell (zero volume included, decided exactly),
-/// nonmanifold;
-///         with the first offender in the order of the mesh.
-/// @par Complexity   O(n).
+/// `validate` and `make_adjacency` at the price of one.
 template <TetMesh M>
-void validate(const M& mesh) {
+TetAdjacency validated_adjacency(const M& mesh) {
   detail::check_coordinates(mesh);
   const auto tets = detail::checked_connectivity<4>(mesh, Entity::cell);
   const std::vector<Vector3> p = positions(mesh);
@@ -65,7 +58,7 @@ void validate(const M& mesh) {
                           Entity::cell, {cell});
   }
   // Two tetrahedra on the same side of a facet overlap: a duplicate is the simplest case.
-  const TetAdjacency adjacency = make_adjacency(mesh);
+  TetAdjacency adjacency = make_adjacency(mesh);
   for (std::size_t cell = 0; cell < tets.size(); ++cell)
     for (std::size_t i = 0; i < 4; ++i) {
       const index_t other = adjacency.neighbours[cell][i];
@@ -82,6 +75,20 @@ void validate(const M& mesh) {
             "cells " + std::to_string(cell) + " and " + std::to_string(other) + " lie on the same side of a facet",
             Entity::cell, {cell, other});
     }
+  return adjacency;
+}
+
+/// Checks once, before any work, all that the stages assume of a tetrahedral mesh.
+///
+/// Parts that touch in a vertex or an edge, several components and isolated vertices are allowed.
+///
+/// @throws invalid_coordinate, invalid_connectivity, inverted_cell (zero volume included, decided exactly),
+/// nonmanifold;
+///         with the first offender in the order of the mesh.
+/// @par Complexity   O(n).
+template <TetMesh M>
+void validate(const M& mesh) {
+  validated_adjacency(mesh);
 }
 
 /// Checks that a surface is closed, edge-manifold and consistently oriented.

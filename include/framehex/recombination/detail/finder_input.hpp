@@ -46,8 +46,7 @@ public:
   template <TetMesh Mesh>
   FinderInput(const Mesh& mesh, const FinderOptions& options)
       : options_(options),
-        owned_((check(mesh, options),
-                options.adjacency != nullptr ? nullptr : std::make_unique<TetAdjacency>(make_adjacency(mesh)))),
+        owned_(own_adjacency(mesh, options)),
         adjacency_(options.adjacency != nullptr ? options.adjacency : owned_.get()),
         points_(positions(mesh)),
         links_(*adjacency_),
@@ -72,11 +71,16 @@ public:
   }
 
 private:
+  /// Checks the input; nothing when the options bring an adjacency.
   template <TetMesh Mesh>
-  static void check(const Mesh& mesh, const FinderOptions& options) {
+  static std::unique_ptr<TetAdjacency> own_adjacency(const Mesh& mesh, const FinderOptions& options) {
     if (!(options.quality_floor >= 0 && options.quality_floor <= 1))
       throw invalid_option("quality_floor " + std::to_string(options.quality_floor) + " is not within 0 and 1");
-    if (options.input_check == InputCheck::validate) validate(mesh);
+    const bool checks = options.input_check == InputCheck::validate;
+    if (options.adjacency == nullptr)
+      return std::make_unique<TetAdjacency>(checks ? validated_adjacency(mesh) : make_adjacency(mesh));
+    if (checks) validate(mesh);
+    return nullptr;
   }
 
   static void check_size(const char* name, std::size_t size, std::size_t n_tets) {
