@@ -31,4 +31,28 @@ inline IndexedTetMesh cylinder_mesh(index_t n, index_t m, double radius, double 
   return mesh;
 }
 
+/// A half ball of radius 1 on a slab of 3 x 3 x 1, as the paper's dome: n cubes (even) across the ball.
+inline IndexedTetMesh dome_mesh(index_t n) {
+  IndexedTetMesh mesh = kuhn_lattice(2 * n, 2 * n, n, 2.0 / n);
+  const double below = 2.0 / n * (n / 2);
+  std::erase_if(mesh.tets, [&](const auto& t) {
+    Vector3 c = Vector3::Zero();
+    for (const index_t v : t) c += mesh.points[v] / 4;
+    return c.z() > below && (std::abs(c.x() - 2) > 1 || std::abs(c.y() - 2) > 1);
+  });
+  for (Vector3& p : mesh.points) {
+    // The ball's square section covers [-1, 1]^2 of the lattice, the slab [-2, 2]^2.
+    const Vector3 q = p - Vector3(2, 2, below);
+    const double ring = std::max({1.0, std::abs(q.x()), std::abs(q.y())}), x = q.x() / ring, y = q.y() / ring,
+                 w = std::max(0.0, q.z());
+    const auto bend = [&](double a, double b, double c) {
+      return a * std::sqrt(1 - b * b / 2 - c * c / 2 + b * b * c * c / 3);
+    };
+    p = {bend(x, y, w), bend(y, x, w), q.z() > 0 ? bend(w, x, y) : q.z()};
+    p.x() += (ring - 1) * (1.5 * x - p.x());
+    p.y() += (ring - 1) * (1.5 * y - p.y());
+  }
+  return mesh;
+}
+
 }  // namespace framehex::test

@@ -51,6 +51,37 @@ Options observed_by(Options options, const Observer& observer) {
   return options;
 }
 
+/// Constrains a new field and carries out a method.
+template <class Mesh, class E>
+FieldReport fill_field(FrameField<Mesh>& field, const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
+                       const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+                       const FieldOptions& options, const E& executor) {
+  const BoundaryFrames boundary = make_boundary_frames(surface, adjacency, features, triangle_frames, options.boundary);
+  field.constrain(boundary, options.vertex_of);
+  if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
+  // A harmonic start does not look at the frames inside.
+  if (options.method != FieldMethod::best || options.diffusion.start == DiffusionStart::current)
+    field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
+  FieldReport report;
+  if (options.method == FieldMethod::smoothed)
+    report.smoothing = field.smooth(observed_by(options.smoothing, options.observer), executor);
+  if (options.method == FieldMethod::best) {
+    report.diffusion = field.diffuse(observed_by(options.diffusion, options.observer), executor);
+    if (report.diffusion.status != Status::cancelled) {
+      SmoothingOptions polish = observed_by(options.polish, options.observer);
+      std::vector<double> weights;
+      if (polish.edge_weights.empty()) {
+        weights = dirichlet_weights(field.adjacency(), field.points());
+        polish.edge_weights = weights;
+      }
+      report.smoothing = field.smooth(polish, executor);
+    }
+  }
+  if (report.diffusion.status == Status::cancelled || report.smoothing.status == Status::cancelled)
+    report.status = Status::cancelled;
+  return report;
+}
+
 }  // namespace detail
 
 /// The field of a background mesh from the crosses of its surface.
@@ -68,35 +99,13 @@ Options observed_by(Options options, const Observer& observer) {
 ///                         `FrameField::constrain`, `smooth_frames`, `diffuse_frames`; entities are numbered in the
 ///                         surface.
 /// @par Complexity   see `start_nearest`, `smooth_frames`, `diffuse_frames`.
-template <TetMesh Mesh, class E = SerialExecutor>
+template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const IndexedTriangleMesh& surface, const FeatureGraph& features,
                                      std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},
                                      const E& executor = {}, FieldReport* report = nullptr) {
-  const BoundaryFrames boundary =
-      make_boundary_frames(surface, make_adjacency(surface), features, triangle_frames, options.boundary);
   FrameField<Mesh> field(mesh);
-  field.constrain(boundary, options.vertex_of);
-  if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
-  // A harmonic start does not look at the frames inside.
-  if (options.method != FieldMethod::best || options.diffusion.start == DiffusionStart::current)
-    field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
-  FieldReport course;
-  if (options.method == FieldMethod::smoothed)
-    course.smoothing = field.smooth(detail::observed_by(options.smoothing, options.observer), executor);
-  if (options.method == FieldMethod::best) {
-    course.diffusion = field.diffuse(detail::observed_by(options.diffusion, options.observer), executor);
-    if (course.diffusion.status != Status::cancelled) {
-      SmoothingOptions polish = detail::observed_by(options.polish, options.observer);
-      std::vector<double> weights;
-      if (polish.edge_weights.empty()) {
-        weights = dirichlet_weights(field.adjacency(), field.points());
-        polish.edge_weights = weights;
-      }
-      course.smoothing = field.smooth(polish, executor);
-    }
-  }
-  if (course.diffusion.status == Status::cancelled || course.smoothing.status == Status::cancelled)
-    course.status = Status::cancelled;
+  FieldReport course =
+      detail::fill_field(field, surface, make_adjacency(surface), features, triangle_frames, options, executor);
   if (report) *report = std::move(course);
   return field;
 }
@@ -113,18 +122,22 @@ struct MeshFieldOptions {
 ///
 /// @throws nonmanifold  with two vertices of the mesh, when its boundary is not a surface along an edge; invalid_field
 ///                      with the vertex or boundary triangle (in the order of `extract_boundary`); and as `validate`.
-template <TetMesh Mesh, class E = SerialExecutor>
+template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
                                      FieldReport* report = nullptr) {
   validate(mesh);
-  const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
+  FrameField<Mesh> result(mesh);
+  const BoundarySurface boundary = extract_boundary(mesh, result.adjacency());
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
   try {
     const TriangleAdjacency adjacency = make_adjacency(boundary.surface);
     const FeatureGraph features = detect_features(boundary.surface, adjacency, options.features);
     const SurfaceCrossField crosses = compute_cross_field(boundary.surface, adjacency, features, options.cross_field);
-    return compute_frame_field(mesh, boundary.surface, features, crosses.frames, field, executor, report);
+    FieldReport course =
+        detail::fill_field(result, boundary.surface, adjacency, features, crosses.frames, field, executor);
+    if (report) *report = std::move(course);
+    return result;
   } catch (const nonmanifold& e) {
     // Its indices are those of the surface, which the host does not know.
     std::vector<std::size_t> indices;

@@ -162,7 +162,7 @@ private:
 ///                   Trans. Graph. 39 (2020), section 5 (modified Merriman-Bence-Osher), for the steps. Departs:
 ///                   conjugate gradients on the constrained subspace instead of a factorisation, which at a million
 ///                   tetrahedra takes several gigabytes.
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 DiffusionReport diffuse_frames(const TetAdjacency& adjacency, std::span<const Vector3> points,
                                std::span<Quaternion> frames, std::span<const FrameConstraint> constraints,
                                std::span<const Vector3> axes, const DiffusionOptions& options = {},

@@ -51,7 +51,7 @@ public:
   /// Replaces all frames and brings the smoothness up to date; constraints are not looked at.
   /// @throws invalid_field  with the first vertex whose quaternion is not a unit one; invalid_option when their number
   ///                        is not n_vertices.
-  template <class E = SerialExecutor>
+  template <Executor E = SerialExecutor>
   void set_frames(std::vector<Quaternion> frames, const E& executor = {}) {
     if (frames.size() != n_vertices())
       throw invalid_option("there are " + std::to_string(frames.size()) + " frames for " +
@@ -87,7 +87,7 @@ public:
   }
 
   /// Start from the nearest boundary point; see `framehex::start_nearest`.
-  template <class E = SerialExecutor>
+  template <Executor E = SerialExecutor>
   void start_nearest(const IndexedTriangleMesh& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                      const E& executor = {}) {
     framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_, executor);
@@ -95,13 +95,13 @@ public:
   }
 
   /// See `smooth_frames`.
-  template <class E = SerialExecutor>
+  template <Executor E = SerialExecutor>
   SmoothingReport smooth(const SmoothingOptions& options = {}, const E& executor = {}) {
     return smooth_frames(adjacency(), frames_, smoothness_, constraints_, axes_, options, executor);
   }
 
   /// See `diffuse_frames`.
-  template <class E = SerialExecutor>
+  template <Executor E = SerialExecutor>
   DiffusionReport diffuse(const DiffusionOptions& options = {}, const E& executor = {}) {
     const DiffusionReport report = diffuse_frames(
         adjacency(), std::span<const Vector3>(points()), std::span<Quaternion>(frames_),

@@ -54,7 +54,7 @@ inline double vertex_smoothness(index_t v, std::span<const index_t> ring, std::s
 /// @par Complexity   O(edges).
 /// @par Source       The paper, section 3.3. Its lower bound "approximately 0" is -0.396: the greatest least angle is
 ///                   62.8 degrees, not 45.
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<const Quaternion> frames,
                                      const E& executor = {}) {
   std::vector<double> smoothness(frames.size());
@@ -68,8 +68,8 @@ std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<co
 /// Weight of every directed edge, in the order of `adjacency.vertices_of_vertex.values`, with which the sum of squared
 /// differences over edges approximates the Dirichlet integral.
 ///
-/// Linear finite elements (the "cotangent" weights), but never below a thousandth of the edge's share by volume: negative
-/// weights, which obtuse dihedral angles give, would let an energy fall without bound.
+/// Linear finite elements (the "cotangent" weights), but never below a thousandth of the edge's share by volume:
+/// negative weights, which obtuse dihedral angles give, would let an energy fall without bound.
 ///
 /// @return lengths in the host's unit, all > 0 on a valid mesh; the same for both directions of an edge.
 /// @par Complexity   O(tetrahedra).

@@ -15,7 +15,7 @@ namespace framehex {
 /// @param frames       n_vertices unit quaternions, changed in place.
 /// @par Complexity   O(log n) a vertex.
 /// @par Source       The paper, section 3.3 (the initial condition).
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 void start_nearest(std::span<const Vector3> points, std::span<const FrameConstraint> constraints,
                    const IndexedTriangleMesh& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                    std::span<Quaternion> frames, const E& executor = {}) {

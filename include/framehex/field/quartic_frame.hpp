@@ -4,6 +4,7 @@
 #include "framehex/field/cube_rotation_group.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -136,9 +137,10 @@ inline Quaternion nearest_frame(const Quartic& q, const Quaternion& start) {
     }
     Eigen::LLT<Eigen::Matrix3d> factor(curvature);
     if (factor.info() != Eigen::Success) {
-      // Away from a maximum: shift until the step goes uphill.
-      const double shift = curvature.cwiseAbs().rowwise().sum().maxCoeff() + 1e-3;
-      factor.compute(curvature + shift * Eigen::Matrix3d::Identity());
+      // Away from a maximum: shift the least eigenvalue until the step goes uphill.
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+      eigen.computeDirect(curvature, Eigen::EigenvaluesOnly);
+      factor.compute(curvature + (0.3 - eigen.eigenvalues()[0]) * Eigen::Matrix3d::Identity());
     }
     Vector3 step = factor.solve(slope);
     const double length = step.norm();

@@ -56,7 +56,7 @@ inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vecto
 /// @param sizes  n_vertices lengths; a NaN is unknown. Parts of the mesh with no known size get the least of all.
 /// @throws invalid_field   with the vertex whose size is known but not positive and finite, or when none is known.
 /// @par Complexity   O(edges * n^(1/3)).
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 void extend_sizes(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<double> sizes,
                   const E& executor = {}) {
   using Value = Eigen::Matrix<double, 1, 1>;
@@ -130,7 +130,7 @@ private:
 /// Size field of a mesh from sizes at some of its vertices: extended harmonically, then limited.
 ///
 /// @param sizes  n_vertices lengths; a NaN is unknown. @param growth  see `limit_gradation`.
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 VertexSizeField make_size_field(std::shared_ptr<const TetLocator> locator, std::vector<double> sizes, double growth,
                                 const E& executor = {}) {
   if (sizes.size() != locator->points().size()) throw invalid_option("there must be one size per vertex");

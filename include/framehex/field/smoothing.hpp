@@ -139,7 +139,7 @@ inline Csr<index_t> stages_of(const Csr<index_t>& ring, std::span<const index_t>
 /// @par Source       The paper, section 3.3, equations (2) to (5). Departs: the rotation is the mean and not the sum
 ///                   (which overshoots); neighbours with a constraint always have weight 1; sweeps and local iterations
 ///                   are capped.
-template <class E = SerialExecutor>
+template <Executor E = SerialExecutor>
 SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternion> frames, std::span<double> smoothness,
                               std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
                               const SmoothingOptions& options = {}, const E& executor = {}) {
