@@ -20,42 +20,47 @@ struct CliqueCover {
 namespace detail {
 
 /// The neighbours of one candidate as a bit matrix, from which maximal cliques through that candidate are grown.
+/// Neighbour i is number i + 1; bit 0 takes what is no neighbour, so that filling the matrix needs no branches.
 class NeighbourhoodMatrix {
 public:
-  explicit NeighbourhoodMatrix(std::size_t n_vertices) : local_(n_vertices, no_index) {}
+  explicit NeighbourhoodMatrix(std::size_t n_vertices) : local_(n_vertices, 0) {}
 
   void assign(const IncompatibilityGraph& graph, index_t centre) {
-    for (const index_t u : members_) local_[u] = no_index;
+    for (const index_t u : members_) local_[u] = 0;
     const auto row = graph.neighbours(centre);
     members_.assign(row.begin(), row.end());
-    n_words_ = (members_.size() + 63) / 64;
-    for (std::size_t i = 0; i < members_.size(); ++i) local_[members_[i]] = static_cast<index_t>(i);
-    bits_.assign(members_.size() * n_words_, 0);
-    for (std::size_t i = 0; i < members_.size(); ++i)
-      for (const index_t u : graph.neighbours(members_[i]))
-        if (local_[u] != no_index) bits_[i * n_words_ + local_[u] / 64] |= std::uint64_t{1} << (local_[u] % 64);
+    n_words_ = members_.size() / 64 + 1;
+    for (std::size_t i = 0; i < members_.size(); ++i) local_[members_[i]] = static_cast<index_t>(i + 1);
+    bits_.assign((members_.size() + 1) * n_words_, 0);
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      std::uint64_t* const bits = bits_.data() + (i + 1) * n_words_;
+      for (const index_t u : graph.neighbours(members_[i])) {
+        const index_t number = local_[u];
+        bits[number / 64] |= std::uint64_t{1} << (number % 64);
+      }
+    }
   }
 
-  std::size_t n_words() const { return n_words_; }
-  index_t member(std::size_t i) const { return members_[i]; }
+  index_t member(index_t number) const { return members_[number - 1]; }
 
-  /// Grows a clique from the neighbour `seed`, preferring those that keep many others possible and, among these,
-  /// `wanted` ones. `clique` receives local numbers.
-  void grow(std::size_t seed, std::span<const std::uint64_t> wanted, std::vector<index_t>& clique) {
-    clique.assign(1, static_cast<index_t>(seed));
+  /// Grows a clique from the neighbour `seed`, preferring those with many common neighbours and, among these, `wanted`
+  /// ones. `clique` receives numbers.
+  void grow(index_t seed, std::span<const std::uint64_t> wanted, std::vector<index_t>& clique) {
+    clique.assign(1, seed);
     open_.assign(row(seed), row(seed) + n_words_);
+    open_[0] &= ~std::uint64_t{1};
+    scores_.resize(members_.size() + 1);
+    for_each_open([&](std::size_t i) {
+      int common = 0;
+      for (std::size_t w = 0; w < n_words_; ++w) common += std::popcount(open_[w] & row(i)[w]);
+      scores_[i] = 4 * common + ((wanted[i / 64] >> (i % 64)) & 1U ? 3 : 0);
+    });
     for (;;) {
-      std::size_t best = members_.size();
-      int best_score = -1;
-      for (std::size_t word = 0; word < n_words_; ++word)
-        for (std::uint64_t rest = open_[word]; rest != 0; rest &= rest - 1) {
-          const std::size_t i = 64 * word + static_cast<std::size_t>(std::countr_zero(rest));
-          int common = 0;
-          for (std::size_t w = 0; w < n_words_; ++w) common += std::popcount(open_[w] & row(i)[w]);
-          const int score = 4 * common + ((wanted[word] >> (i % 64)) & 1U ? 3 : 0);
-          if (score > best_score) best_score = score, best = i;
-        }
-      if (best == members_.size()) return;
+      std::size_t best = 0;
+      for_each_open([&](std::size_t i) {
+        if (best == 0 || scores_[i] > scores_[best]) best = i;
+      });
+      if (best == 0) return;
       clique.push_back(static_cast<index_t>(best));
       for (std::size_t w = 0; w < n_words_; ++w) open_[w] &= row(best)[w];
     }
@@ -64,12 +69,20 @@ public:
 private:
   const std::uint64_t* row(std::size_t i) const { return bits_.data() + i * n_words_; }
 
+  template <class Body>
+  void for_each_open(Body&& body) const {
+    for (std::size_t word = 0; word < n_words_; ++word)
+      for (std::uint64_t rest = open_[word]; rest != 0; rest &= rest - 1)
+        body(64 * word + static_cast<std::size_t>(std::countr_zero(rest)));
+  }
+
   std::vector<index_t> local_, members_;
   std::vector<std::uint64_t> bits_, open_;
+  std::vector<int> scores_;
   std::size_t n_words_ = 0;
 };
 
-/// The first candidate in which a clique is not yet covered, and so on: bit i of a row tells about its i-th entry.
+/// Which conflicts some clique holds already: a bit for each entry of the graph's rows.
 class CoveredConflicts {
 public:
   explicit CoveredConflicts(const IncompatibilityGraph& graph)
@@ -121,18 +134,19 @@ CliqueCover cover_by_cliques(const IncompatibilityGraph& graph, Stop&& stop) {
   for (index_t v = 0; v < graph.size() && !(v % 64 == 0 && stop()); ++v) {
     const auto row = graph.neighbours(v);
     const offset_t first = graph.rows().offsets[v];
-    wanted.assign((row.size() + 63) / 64, 0);
+    wanted.assign(row.size() / 64 + 1, 0);
     bool any = false;
     for (std::size_t i = 0; i < row.size(); ++i)
       if (row[i] > v && !conflicts.covered(first + i)) {
-        wanted[i / 64] |= std::uint64_t{1} << (i % 64);
+        wanted[(i + 1) / 64] |= std::uint64_t{1} << ((i + 1) % 64);
         any = true;
       }
     if (!any) continue;
     matrix.assign(graph, v);
     for (std::size_t word = 0; word < wanted.size(); ++word)
       while (wanted[word] != 0) {
-        matrix.grow(64 * word + static_cast<std::size_t>(std::countr_zero(wanted[word])), wanted, clique);
+        matrix.grow(static_cast<index_t>(64 * word) + static_cast<index_t>(std::countr_zero(wanted[word])), wanted,
+                    clique);
         for (index_t& u : clique) {
           wanted[u / 64] &= ~(std::uint64_t{1} << (u % 64));
           u = matrix.member(u);

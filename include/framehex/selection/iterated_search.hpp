@@ -56,13 +56,15 @@ public:
       index_t v = places[pick(places.size())];
       const std::size_t n_forced = 1 + (pick(4) == 0 ? 1 + pick(3) : 0);
       for (std::size_t k = 0; k < n_forced; ++k) {
-        if (!search_.contains(v)) search_.force(v);
+        search_.force_and_lock(v);
         const auto row = graph_.neighbours(v);
         if (row.empty()) break;
         // Two steps away lies a candidate that can stand beside the first.
         const auto second = graph_.neighbours(row[pick(row.size())]);
         v = second[pick(second.size())];
       }
+      search_.improve();
+      search_.unlock();
       search_.improve();
       if (search_.weight_in_units() < before)
         search_.roll_back();

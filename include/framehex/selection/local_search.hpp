@@ -48,6 +48,20 @@ public:
     take(v);
   }
 
+  /// Brings v in as `force`, and lets no single heavier candidate take its place before `unlock`.
+  void force_and_lock(index_t v) {
+    if (contains(v)) return;
+    force(v);
+    locked_.push_back(v);
+  }
+
+  /// Lets those that were kept out by locks be looked at again.
+  void unlock() {
+    const std::vector<index_t> locked = std::exchange(locked_, {});
+    for (const index_t v : locked)
+      for (const index_t u : graph_.neighbours(v)) touch(u);
+  }
+
   /// Takes v out, leaving its place open.
   void drop(index_t v) {
     remove(v);
@@ -79,6 +93,7 @@ public:
 
   /// Takes back the changes since the last commit.
   void roll_back() {
+    locked_.clear();
     while (!queue_.empty()) {
       queued_[queue_.back()] = 0;
       queue_.pop_back();
@@ -108,7 +123,9 @@ private:
 
   bool gains(index_t v) const {
     const State& s = states_[v];
-    return s.n_owners == 0 || weights()[v] > s.blocking;
+    if (s.n_owners == 0) return true;
+    if (weights()[v] <= s.blocking) return false;
+    return s.n_owners > 1 || std::find(locked_.begin(), locked_.end(), s.owner_sum) == locked_.end();
   }
   std::span<const std::int64_t> weights() const { return graph_.weights_in_units(); }
 
@@ -187,7 +204,7 @@ private:
   std::vector<State> states_;
   std::vector<std::uint8_t> queued_;
   std::vector<std::uint32_t> mark_;
-  std::vector<index_t> queue_, kept_out_;
+  std::vector<index_t> queue_, kept_out_, locked_;
   std::vector<Logged> log_;
   std::int64_t weight_ = 0;
   std::uint32_t stamp_ = 0;

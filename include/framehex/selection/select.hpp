@@ -50,7 +50,7 @@ public:
       std::iota(places.begin(), places.end(), index_t{0});
       perturb(search, places, graph_.size());
       weight = search.weight_in_units();
-      if (!deadline_.passed()) bound = std::min(bound, improve(search));
+      if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
       result.members = search.members();
       weight = search.weight_in_units();
       result.iterations = n_iterations_ + search.iterations();
