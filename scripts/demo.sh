@@ -4,10 +4,21 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 scripts/setup.sh
-cmake --preset gcc-release -DFRAMEHEX_BUILD_TESTS=OFF -DFRAMEHEX_BUILD_BENCHMARKS=OFF >/dev/null
+echo "building the program..."
+cmake --preset gcc-release >/dev/null
 cmake --build --preset gcc-release --target framehex_program
-out=build/demo
-mkdir -p "$out"
-framehex=build/gcc-release/bin/framehex
-"$framehex" mesh examples/data/bunny.stl --size 0.26 --field nearest --order fifo -o "$out/bunny_nearest_fifo.vtu"
-"$framehex" mesh examples/data/bunny.stl --size 0.26 --field smoothed --order smoothness -o "$out/bunny_smoothed_smoothness.vtu"
+
+mkdir -p build/demo
+mesh() { # FIELD ORDER
+  build/gcc-release/bin/framehex mesh examples/data/bunny.stl --size 0.26 --field "$1" --order "$2" \
+    -o "build/demo/bunny_$1_$2.vtu" --report "build/demo/bunny_$1_$2.json"
+}
+mesh nearest fifo
+mesh smoothed smoothness | tail -n 1 # without the header
+cat <<END
+
+Open in ParaView (Threshold on 'kind' from 0 to 3, then Clip; colour by 'kind' or 'scaled_jacobian'):
+  build/demo/bunny_nearest_fifo.vtu
+  build/demo/bunny_smoothed_smoothness.vtu
+The reports are the .json files beside them.
+END

@@ -1,14 +1,69 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/version.hpp"
+// framehex: hex-dominant meshes from closed surfaces and from tetrahedral meshes.
+//
+// Exit status: 0 done, 1 failed inside, 2 the input cannot be used (one line says why), 130 interrupted.
+#include "framehex/errors.hpp"
 
-#include <CLI/CLI.hpp>
+#include "commands.hpp"
+#include "report.hpp"
 
 #include <iostream>
+#include <new>
+
+namespace program {
+
+namespace {
+
+bool run(const Options& options, const framehex::Observer& observer) {
+  switch (options.command) {
+    case Command::mesh: return mesh(options, observer);
+    case Command::recombine: return recombine(options, observer);
+    case Command::field: return field(options, observer);
+    default: return inspect(options);
+  }
+}
+
+/// One line, with the input's name in front where the error is about what stands in it.
+std::string line_of(const framehex::error& e, const Options& options) {
+  std::string text = e.what();
+  const bool about_input = e.entity() != framehex::Entity::none || dynamic_cast<const framehex::open_surface*>(&e) ||
+                           dynamic_cast<const framehex::invalid_surface*>(&e);
+  const bool named = text.starts_with(options.input) || dynamic_cast<const framehex::io_error*>(&e);
+  if (about_input && !named) text = options.input + ": " + text;
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  return text;
+}
+
+int run_safely(const Options& options) {
+  try {
+    check_outputs(options);
+    const Interruption interruption({options.output, options.report});
+    const bool complete = run(options, make_observer(interruption, !options.quiet));
+    end_progress();
+    if (!complete) std::cerr << "framehex: interrupted\n";
+    return complete ? 0 : 130;
+  } catch (const framehex::error& e) {
+    end_progress();
+    std::cerr << "framehex: " << line_of(e, options) << "\n";
+    return 2;
+  } catch (const std::bad_alloc&) {
+    end_progress();
+    std::cerr << "framehex: " << options.input << ": not enough memory\n";
+    return 2;
+  } catch (const std::exception& e) {
+    end_progress();
+    std::cerr << "framehex: failed inside: " << e.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace
+
+}  // namespace program
 
 int main(int argc, char** argv) {
-  CLI::App app("Hex-dominant meshes from closed surfaces and from tetrahedral meshes.");
-  app.set_version_flag("--version", FRAMEHEX_VERSION);
-  CLI11_PARSE(app, argc, argv);
-  std::cout << app.help();
-  return 0;
+  int exit_status = 0;
+  const std::optional<program::Options> options = program::parse(argc, argv, exit_status);
+  return options ? program::run_safely(*options) : exit_status;
 }

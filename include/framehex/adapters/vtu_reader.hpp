@@ -113,7 +113,7 @@ private:
       return stream(data, base64, header_bytes_, n);
     }
     const std::string head = stream(data, base64, 0, 3 * header_bytes_);
-    const std::uint64_t n_blocks = header(head, 0), block_size = header(head, 1), last_size = header(head, 2);
+    const std::uint64_t n_blocks = header(head, 0), unpacked_size = header(head, 1), last_size = header(head, 2);
     if (n_blocks == 0) return {};
     if (n_blocks > data.size()) fail("a count of compressed blocks is more than the file can hold");
     const std::string sizes = stream(data, base64, 3 * header_bytes_, n_blocks * header_bytes_);
@@ -129,7 +129,7 @@ private:
     at = 0;
     for (std::size_t b = 0; b < n_blocks; ++b) {
       const std::uint64_t n = header(sizes, b);
-      const std::uint64_t expected = b + 1 == n_blocks && last_size != 0 ? last_size : block_size;
+      const std::uint64_t expected = b + 1 == n_blocks && last_size != 0 ? last_size : unpacked_size;
       if (expected > 1100 * n) fail("a compressed block unpacks to more than it can");  // deflate's limit is 1032
       std::string block(expected, '\0');
       uLongf length = static_cast<uLongf>(expected);

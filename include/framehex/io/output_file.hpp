@@ -25,22 +25,15 @@ namespace framehex {
 class OutputFile {
 public:
   /// @throws io_error  when a file of that name cannot be made.
-  explicit OutputFile(const std::filesystem::path& path) : name_(path.string()) {
-    namespace fs = std::filesystem;
+  explicit OutputFile(const std::filesystem::path& path) : name_(path.string()), target_(followed(path).string()) {
     std::error_code ignored;
-    fs::path target = path;
-    if (fs::is_symlink(path, ignored)) target = fs::weakly_canonical(path, ignored);
-    const fs::file_status status = fs::status(target, ignored);
-    if (fs::is_directory(status)) throw io_error(name_ + ": is a directory");
-    target_ = target.string();
-    const bool is_device = fs::exists(status) && !fs::is_regular_file(status);
+    const std::filesystem::file_status status = std::filesystem::status(target_, ignored);
+    if (std::filesystem::is_directory(status)) throw io_error(name_ + ": is a directory");
 #if __has_include(<unistd.h>)
-    if (fs::exists(status) && ::access(target_.c_str(), W_OK) != 0) fail("cannot be written");
-    const std::string suffix = "." + std::to_string(::getpid()) + ".partial";
-#else
-    const std::string suffix = ".partial";
+    if (std::filesystem::exists(status) && ::access(target_.c_str(), W_OK) != 0) fail("cannot be written");
 #endif
-    if (!is_device) temporary_ = target_ + suffix;
+    temporary_ = temporary_name(path);
+    const bool is_device = temporary_.empty();
     file_ = std::fopen(is_device ? target_.c_str() : temporary_.c_str(), is_device ? "wb" : "wbx");
     if (!file_) {
       const int reason = errno;
@@ -48,6 +41,20 @@ public:
       errno = reason;
       fail("cannot be written");
     }
+  }
+
+  /// Where the bytes of a file go until it is whole: for those who must clean up after themselves in a hurry. Empty for
+  /// a device.
+  static std::string temporary_name(const std::filesystem::path& path) {
+    const std::filesystem::path target = followed(path);
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(target, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return {};
+#if __has_include(<unistd.h>)
+    return target.string() + "." + std::to_string(::getpid()) + ".partial";
+#else
+    return target.string() + ".partial";
+#endif
   }
 
   OutputFile(const OutputFile&) = delete;
@@ -73,10 +80,11 @@ public:
     write_values(&value, 1);
   }
 
-  /// Makes the file appear under its name.
+  /// Brings all bytes to the disk, so that `commit` only has the name left to change: for files that belong together.
   ///
-  /// @throws io_error  when the disk is full or fails; nothing has appeared then.
-  void commit() {
+  /// @throws io_error  when the disk is full or fails.
+  void finish() {
+    if (!file_) return;
     if (std::fflush(file_) != 0) fail("cannot be written whole");
 #if __has_include(<unistd.h>)
     if (!temporary_.empty() && ::fsync(::fileno(file_)) != 0) fail("cannot be written whole");
@@ -84,12 +92,24 @@ public:
     std::FILE* const file = file_;
     file_ = nullptr;
     if (std::fclose(file) != 0) fail("cannot be written whole");
+  }
+
+  /// Makes the file appear under its name.
+  ///
+  /// @throws io_error  when the disk is full or fails; nothing has appeared then.
+  void commit() {
+    finish();
     if (temporary_.empty()) return;
     if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be written");
     temporary_.clear();
   }
 
 private:
+  static std::filesystem::path followed(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::is_symlink(path, ignored) ? std::filesystem::weakly_canonical(path, ignored) : path;
+  }
+
   [[noreturn]] void fail(const char* what) {
     const int reason = errno;
     discard();

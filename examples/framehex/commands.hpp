@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSL-1.0
+// The four commands. Each returns whether it came to its end (false: interrupted), and throws framehex::error.
+#pragma once
+
+#include "interruption.hpp"
+#include "options.hpp"
+
+namespace program {
+
+bool mesh(const Options& options, const framehex::Observer& observer);
+bool recombine(const Options& options, const framehex::Observer& observer);
+bool field(const Options& options, const framehex::Observer& observer);
+bool inspect(const Options& options);
+
+}  // namespace program

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSL-1.0
+// From the program's options to the library's.
+#pragma once
+
+#include "framehex/field/compute_frame_field.hpp"
+#include "framehex/pipeline/recombine.hpp"
+
+#include "options.hpp"
+
+#include <numbers>
+
+namespace program {
+
+inline framehex::FieldMethod field_method(const Options& options) {
+  if (options.field == "nearest") return framehex::FieldMethod::nearest;
+  return options.field == "smoothed" ? framehex::FieldMethod::smoothed : framehex::FieldMethod::best;
+}
+
+inline framehex::FeatureOptions feature_options(const Options& options) {
+  return {.angle = options.feature_degrees * std::numbers::pi / 180};
+}
+
+inline framehex::RecombineOptions recombine_options(const Options& options, const framehex::Observer& observer) {
+  framehex::RecombineOptions r;
+  r.finder.quality_floor = options.floor;
+  r.selection.method = options.select == "greedy"  ? framehex::SelectMethod::greedy
+                       : options.select == "exact" ? framehex::SelectMethod::exact
+                                                   : framehex::SelectMethod::best;
+  r.selection.gap = options.gap_percent / 100;
+  if (options.budget_seconds) r.selection.seconds = *options.budget_seconds;
+  r.selection.seed = options.seed;
+  r.assembly.interfaces = options.interfaces == "open"          ? framehex::InterfaceMode::open
+                          : options.interfaces == "no-pyramids" ? framehex::InterfaceMode::no_pyramids
+                                                                : framehex::InterfaceMode::conforming;
+  r.observer = observer;
+  return r;
+}
+
+}  // namespace program

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/pipeline/mesh_surface.hpp"
+
+#include "framehex/adapters/assimp_surface.hpp"
+#include "framehex/adapters/tetgen_process.hpp"
+#include "framehex/field/size_field.hpp"
+
+#include "commands.hpp"
+#include "library_options.hpp"
+#include "report.hpp"
+
+namespace program {
+
+namespace {
+
+/// More cubes of the size than this in the surface are taken for a mistake: memory ends before.
+constexpr double most_cells = 2e7;
+
+double enclosed_volume(const framehex::IndexedTriangleMesh& surface) {
+  double sum = 0;
+  const framehex::Vector3 origin = surface.points[0];
+  for (const auto& t : surface.triangles)
+    sum += (surface.points[t[0]] - origin).dot((surface.points[t[1]] - origin).cross(surface.points[t[2]] - origin));
+  return sum / 6;
+}
+
+/// The wished edge length, checked against the box of the surface.
+double edge_length(const Options& options, const framehex::IndexedTriangleMesh& surface) {
+  const double volume = enclosed_volume(surface);
+  const double size =
+      options.size ? *options.size : std::cbrt(volume / static_cast<double>(options.cells.value_or(10'000)));
+  Eigen::AlignedBox3d box;
+  for (const framehex::Vector3& p : surface.points) box.extend(p);
+  char text[200];
+  if (!(size > 0) || !std::isfinite(size)) {
+    std::snprintf(text, sizeof text, "size %g is not a positive number", size);
+    throw framehex::invalid_option(text);
+  }
+  if (size > box.diagonal().norm()) {
+    std::snprintf(text, sizeof text, "size %g is more than the diagonal of the surface's box, %g", size,
+                  box.diagonal().norm());
+    throw framehex::invalid_option(text);
+  }
+  if (volume / (size * size * size) > most_cells) {
+    std::snprintf(text, sizeof text, "size %g asks for %.2g cells, more than %.0g", size, volume / (size * size * size),
+                  most_cells);
+    throw framehex::invalid_option(text);
+  }
+  return size;
+}
+
+framehex::SoupSurface read_input(const Options& options) {
+  framehex::SoupSurface soup = framehex::read_surface(options.input);
+  if (soup.n_turned_triangles > 0)
+    std::fprintf(stderr, "framehex: %s: %zu of %zu triangles were turned to look outward\n", options.input.c_str(),
+                 soup.n_turned_triangles, soup.surface.triangles.size());
+  if (soup.welded_by_tolerance)
+    std::fprintf(stderr, "framehex: %s: vertices within a millionth of its box were welded to close it\n",
+                 options.input.c_str());
+  return soup;
+}
+
+}  // namespace
+
+bool mesh(const Options& options, const framehex::Observer& observer) {
+  const framehex::IndexedTriangleMesh surface = read_input(options).surface;
+  framehex::validate_closed(surface);
+  const double size = edge_length(options, surface);
+  framehex::MeshingOptions meshing;
+  meshing.features = feature_options(options);
+  meshing.field.method = field_method(options);
+  meshing.order = options.order == "fifo" ? framehex::PointOrder::fifo : framehex::PointOrder::smoothness;
+  meshing.recombination = recombine_options(options, {});
+  meshing.observer = observer;
+  const framehex::MeshingResult result =
+      framehex::mesh_surface(surface, framehex::ConstantSize{size}, framehex::TetgenProcess{}, meshing,
+                             framehex::ThreadExecutor(options.threads));
+  if (result.status == framehex::Status::cancelled) return false;
+
+  const framehex::MixedMesh& mesh = result.recombination.mesh;
+  const framehex::StageSeconds& seconds = result.recombination.seconds;
+  const Measures measures = measure(mesh);
+  nlohmann::ordered_json json;
+  add_to(json, measures);
+  add_to(json, result.recombination, options);
+  const framehex::MeshingStatistics& s = result.statistics;
+  json["field"] = {{"smoothness_mean", s.smoothness_mean},
+                   {"fraction_smooth", s.fraction_smooth},
+                   {"dirichlet_energy", s.dirichlet_energy},
+                   {"singular_edges", s.n_singular_edges}};
+  json["points"] = {{"surface", s.n_surface_points},
+                    {"volume", s.n_volume_points},
+                    {"unremoved", s.n_unremoved_vertices},
+                    {"background_tetrahedra", s.n_background_tets},
+                    {"tetrahedra", s.n_tets}};
+  finish(json, options);
+  json["options"]["size"] = size;
+  const framehex::MeshData data{.cells = cell_arrays(measures),
+                                .points = {framehex::frame_array(result.frames), {"smoothness", result.smoothness}}};
+  write_results(options, mesh, data, json);
+  end_progress();
+  if (!options.quiet) {
+    print_row(std::filesystem::path(options.input).stem().string() + " " + options.field + " " + options.order,
+              measures, seconds);
+    print_faults(measures);
+  }
+  return true;
+}
+
+}  // namespace program

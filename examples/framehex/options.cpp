@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "options.hpp"
+
+#include "framehex/version.hpp"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <iostream>
+
+namespace program {
+
+namespace {
+
+/// Numbers that `min` and `max` bound; NaN is in no range.
+CLI::Validator in_range(double min, double max, const std::string& text) {
+  return CLI::Validator(
+      [=](const std::string& word) -> std::string {
+        try {
+          const double value = std::stod(word);
+          if (value >= min && value <= max) return {};
+        } catch (const std::exception&) {
+        }
+        return word + " is not " + text;
+      },
+      text);
+}
+
+void add_input(CLI::App& command, Options& options, const char* what) {
+  command.add_option("input", options.input, what)->required();
+  command.add_option("--report", options.report, "Write the report to this file as well")->type_name("FILE.json");
+}
+
+void add_output(CLI::App& command, Options& options, const char* what) {
+  command.add_option("-o,--output", options.output, what)->required()->type_name("FILE");
+}
+
+void add_run(CLI::App& command, Options& options) {
+  command
+      .add_option("--threads", options.threads, "Threads; 0: as many as the machine has. Results do not depend on it")
+      ->type_name("N");
+  command.add_flag("--quiet", options.quiet, "Print nothing but errors");
+}
+
+void add_field(CLI::App& command, Options& options) {
+  command
+      .add_option("--field", options.field, "Frame field: of the nearest boundary point, that smoothed, or the best")
+      ->check(CLI::IsMember({"nearest", "smoothed", "best"}))
+      ->capture_default_str();
+  command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
+      ->check(in_range(0, 180, "an angle from 0 to 180"))
+      ->type_name("DEGREES")
+      ->capture_default_str();
+}
+
+void add_recombination(CLI::App& command, Options& options) {
+  command.add_option("--floor", options.floor, "Least scaled Jacobian of a hexahedron")
+      ->check(in_range(0, 0.99, "a quality from 0 to 0.99"))
+      ->type_name("Q")
+      ->capture_default_str();
+  command.add_option("--select", options.select, "How hexahedra are selected")
+      ->check(CLI::IsMember({"greedy", "best", "exact"}))
+      ->capture_default_str();
+  command.add_option("--gap", options.gap_percent, "`best` ends when so little can be missing")
+      ->check(in_range(0, 100, "a percentage"))
+      ->type_name("PERCENT")
+      ->capture_default_str();
+  command
+      .add_option("--budget", options.budget_seconds,
+                  "Time for the selection; without it the result does not depend on the machine's speed")
+      ->check(in_range(0, HUGE_VAL, "a time of 0 or more seconds"))
+      ->type_name("SECONDS");
+  command.add_option("--interfaces", options.interfaces, "What becomes of quadrilaterals that face two triangles")
+      ->check(CLI::IsMember({"conforming", "no-pyramids", "open"}))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Of all random choices")->type_name("N")->capture_default_str();
+}
+
+}  // namespace
+
+std::optional<Options> parse(int argc, char** argv, int& exit_status) {
+  Options options;
+  CLI::App app("Hex-dominant meshes, from closed surfaces and from tetrahedral meshes.", "framehex");
+  app.set_version_flag("--version", FRAMEHEX_VERSION);
+  app.require_subcommand(1);
+
+  CLI::App& mesh = *app.add_subcommand("mesh", "Mesh the inside of a closed surface (.stl .obj .off .ply)");
+  add_input(mesh, options, "The surface");
+  add_output(mesh, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
+  auto* const size =
+      mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
+  mesh.add_option("--cells", options.cells, "Size of which about so many cubes fill the surface; without either, 10000")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
+      ->type_name("N")
+      ->excludes(size);
+  add_field(mesh, options);
+  mesh.add_option("--order", options.order, "Order of insertion: first in first out, or smoothest field first")
+      ->check(CLI::IsMember({"fifo", "smoothness"}))
+      ->capture_default_str();
+  add_recombination(mesh, options);
+  add_run(mesh, options);
+
+  CLI::App& recombine =
+      *app.add_subcommand("recombine", "Recombine a tetrahedral mesh (.vtu .vtk .msh .mesh) as it is");
+  add_input(recombine, options, "The tetrahedral mesh");
+  add_output(recombine, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
+  add_recombination(recombine, options);
+  add_run(recombine, options);
+
+  CLI::App& field = *app.add_subcommand("field", "Frame field of a tetrahedral mesh (.vtu .vtk .msh .mesh)");
+  add_input(field, options, "The tetrahedral mesh");
+  add_output(field, options, "Frames, smoothness and singular lines: .vtu");
+  add_field(field, options);
+  add_run(field, options);
+
+  CLI::App& inspect = *app.add_subcommand("inspect", "Count and judge the cells of any mesh (.vtu .vtk .msh .mesh)");
+  add_input(inspect, options, "The mesh");
+  inspect.add_flag("--quiet", options.quiet, "Print nothing but errors");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    exit_status = app.exit(e);
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    std::cerr << "framehex: " << e.what() << " (see framehex --help)\n";
+    exit_status = 2;
+    return std::nullopt;
+  }
+  options.command = mesh.parsed()        ? Command::mesh
+                    : recombine.parsed() ? Command::recombine
+                    : field.parsed()     ? Command::field
+                                         : Command::inspect;
+  return options;
+}
+
+nlohmann::ordered_json to_json(const Options& options) {
+  nlohmann::ordered_json json;
+  const bool is_mesh = options.command == Command::mesh, is_field = options.command == Command::field;
+  constexpr const char* names[] = {"mesh", "recombine", "field", "inspect"};
+  json["command"] = names[static_cast<int>(options.command)];
+  json["input"] = options.input;
+  if (!options.output.empty()) json["output"] = options.output;
+  if (options.size) json["size"] = *options.size;
+  if (options.cells) json["cells"] = *options.cells;
+  if (is_mesh || is_field) {
+    json["field"] = options.field;
+    json["features"] = options.feature_degrees;
+  }
+  if (is_mesh) json["order"] = options.order;
+  if (is_mesh || options.command == Command::recombine) {
+    json["floor"] = options.floor;
+    json["select"] = options.select;
+    json["gap"] = options.gap_percent;
+    if (options.budget_seconds) json["budget"] = *options.budget_seconds;
+    json["interfaces"] = options.interfaces;
+    json["seed"] = options.seed;
+  }
+  if (options.command != Command::inspect) json["threads"] = options.threads;
+  return json;
+}
+
+}  // namespace program

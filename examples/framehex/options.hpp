@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSL-1.0
+// What the command line asks for.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace program {
+
+enum class Command { mesh, recombine, field, inspect };
+
+struct Options {
+  Command command = Command::mesh;
+  std::string input, output, report;  // names of files; empty: none
+  std::optional<double> size;         // wished edge length
+  std::optional<std::size_t> cells;   // or about so many cells
+  std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
+  double feature_degrees = 40;
+  double floor = 0.2;
+  double gap_percent = 0.5;
+  std::optional<double> budget_seconds;
+  std::size_t threads = 0;  // 0: as many as the machine has
+  std::uint64_t seed = 1;
+  bool quiet = false;
+};
+
+/// Reads the command line. On --help and --version, and on a command line that makes no sense, it prints and returns
+/// nothing, with the exit status in `exit_status`.
+std::optional<Options> parse(int argc, char** argv, int& exit_status);
+
+/// Those that bear on the command, for the report.
+nlohmann::ordered_json to_json(const Options& options);
+
+}  // namespace program

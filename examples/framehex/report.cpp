@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "report.hpp"
+
+#include "framehex/io/mesh_writer.hpp"
+#include "framehex/version.hpp"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+
+namespace program {
+
+using framehex::OutputFile;
+
+namespace {
+
+std::size_t peak_bytes(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+const char* to_string(framehex::SelectionStatus status) {
+  switch (status) {
+    case framehex::SelectionStatus::optimal: return "optimal";
+    case framehex::SelectionStatus::gap_reached: return "gap_reached";
+    case framehex::SelectionStatus::budget_exhausted: return "budget_exhausted";
+    default: return "cancelled";
+  }
+}
+
+}  // namespace
+
+void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options) {
+  json["hex_ratio"]["floor"] = options.floor;
+  const framehex::StageSeconds& s = recombination.seconds;
+  json["seconds"] = {{"background", s.background}, {"field", s.field},
+                     {"insertion", s.insertion},   {"tetrahedralization", s.tetrahedralization},
+                     {"search", s.search},         {"selection", s.selection},
+                     {"assembly", s.assembly},     {"recombination", s.recombination()},
+                     {"total", s.total()}};
+  json["graph"] = {{"candidates", recombination.graph.n_candidates},
+                   {"conflicts", recombination.graph.n_conflicts},
+                   {"mean_degree", recombination.graph.mean_degree}};
+  const framehex::Selection& selection = recombination.selection;
+  json["selection"] = {{"value", selection.weight},
+                       {"bound", selection.bound},
+                       {"gap_percent", 100 * selection.gap()},
+                       {"status", to_string(selection.status)},
+                       {"iterations", selection.iterations}};
+  const framehex::AssemblyStatistics& a = recombination.assembly;
+  json["assembly"] = {{"open_before", a.n_open_quadrilaterals},
+                      {"merged", a.n_merged},
+                      {"raised", a.n_raised},
+                      {"split", a.n_split},
+                      {"dissolved", a.n_dissolved},
+                      {"new_vertices", a.n_new_vertices},
+                      {"removed_vertices", a.n_removed_vertices}};
+}
+
+void finish(nlohmann::ordered_json& json, const Options& options) {
+  json["peak_memory_bytes"] = peak_bytes(RUSAGE_SELF);
+  if (options.command == Command::mesh) json["peak_memory_tetrahedralizer_bytes"] = peak_bytes(RUSAGE_CHILDREN);
+  json["options"] = to_json(options);
+  json["version"] = FRAMEHEX_VERSION;
+}
+
+std::vector<framehex::DataArray> cell_arrays(const Measures& measures) {
+  std::vector<framehex::DataArray> arrays{{"scaled_jacobian", measures.scaled_jacobian}};
+  if (!measures.open_cells.empty()) {
+    std::vector<std::uint8_t> n_open(measures.n_cells, 0);
+    for (const framehex::index_t cell : measures.open_cells) ++n_open[cell];
+    arrays.push_back({"open_quads", std::move(n_open)});
+  }
+  return arrays;
+}
+
+void write_results(const Options& options, const framehex::MixedMesh& mesh, const framehex::MeshData& data,
+                   const nlohmann::ordered_json& json) {
+  if (options.report.empty()) return framehex::write_mesh(options.output, mesh, data);
+  OutputFile report(options.report);
+  report.write(json.dump(2) + "\n");
+  report.finish();
+  framehex::write_mesh(options.output, mesh, data);
+  report.commit();
+}
+
+void write_report(const Options& options, const nlohmann::ordered_json& json) {
+  if (options.report.empty()) return;
+  OutputFile report(options.report);
+  report.write(json.dump(2) + "\n");
+  report.commit();
+}
+
+void check_outputs(const Options& options) {
+  if (!options.output.empty()) {
+    const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
+    if (options.command == Command::field && format != framehex::MeshFormat::vtu)
+      throw framehex::io_error(options.output + ": a field is written as .vtu");
+    const OutputFile attempt(options.output);
+  }
+  if (!options.report.empty()) const OutputFile attempt(options.report);
+}
+
+void print_row(const std::string& name, const Measures& m, const framehex::StageSeconds& s) {
+  std::printf("%-26s %8s %7s %7s %7s %8s  %8s %8s %8s %8s %8s  %6s %6s  %6s %6s  %6s\n", "", "cells", "tet", "prism",
+              "pyramid", "hex", "field s", "insert s", "tets s", "recomb s", "total s", "hex nb", "hex vol", "SJ min",
+              "mean", "MB");
+  const auto n = [&](framehex::CellKind kind) { return m.kinds[static_cast<std::size_t>(kind)].n; };
+  std::printf("%-26s %8zu %7zu %7zu %7zu %8zu  %8.2f %8.2f %8.2f %8.2f %8.2f  %5.1f%% %6.1f%%  %6.3f %6.3f  %6zu\n",
+              name.c_str(), m.n_cells, n(framehex::CellKind::tetrahedron), n(framehex::CellKind::prism),
+              n(framehex::CellKind::pyramid), n(framehex::CellKind::hexahedron), s.background + s.field, s.insertion,
+              s.tetrahedralization, s.recombination(), s.total(), 100 * m.hex_ratio_by_number(),
+              100 * m.hex_ratio_by_volume(), m.least, m.mean, peak_bytes(RUSAGE_SELF) / 1'000'000);
+}
+
+void print_faults(const Measures& m) {
+  const auto list = [](const char* what, const std::vector<framehex::index_t>& cells) {
+    if (cells.empty()) return;
+    std::printf("%s: %zu (", what, cells.size());
+    for (std::size_t i = 0; i < cells.size() && i < 8; ++i) std::printf("%s%u", i == 0 ? "cells " : " ", cells[i]);
+    std::printf("%s)\n", cells.size() > 8 ? " ..." : "");
+  };
+  list("invalid cells", m.invalid_cells);
+  list("inverted cells", m.inverted_cells);
+  list("quadrilaterals that face two triangles", m.open_cells);
+  if (m.n_bad_faces > 0) std::printf("faces that do not match otherwise: %zu\n", m.n_bad_faces);
+  if (m.n_open_edges > 0) std::printf("edges at which the boundary is open: %zu\n", m.n_open_edges);
+}
+
+}  // namespace program

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: BSL-1.0
+# The program, run as users run it. Each class of the scripts is a test.
+if(NOT TARGET framehex_program)
+  return()
+endif()
+set(program_environment FRAMEHEX=$<TARGET_FILE:framehex_program> PYTHONDONTWRITEBYTECODE=1)
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/test_program.py classes REGEX "^class Test")
+foreach(line IN LISTS classes)
+  string(REGEX REPLACE "^class (Test[A-Za-z]+).*" "\\1" class "${line}")
+  add_test(NAME "program: ${class}" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/test_program.py ${class})
+  set_tests_properties("program: ${class}" PROPERTIES ENVIRONMENT "${program_environment}" TIMEOUT 900)
+endforeach()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/test_program.py)
+if(TARGET own_mesh)
+  add_test(NAME "program: own_mesh" COMMAND own_mesh)
+  set_tests_properties("program: own_mesh" PROPERTIES PASS_REGULAR_EXPRESSION
+                                                      "384 tetrahedra became 64 cells, 64 of them hexahedra")
+endif()

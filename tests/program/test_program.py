@@ -1,0 +1,482 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Tests of the program `framehex` as users run it; its path is in the environment variable FRAMEHEX."""
+import contextlib
+import filecmp
+import io
+import itertools
+import json
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import meshio
+import numpy as np
+
+PROGRAM = os.environ["FRAMEHEX"]
+BUNNY = pathlib.Path(__file__).resolve().parents[2] / "examples" / "data" / "bunny.stl"
+
+OUTWARD = {
+    "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
+    "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+    "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+    "hexahedron": [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
+}
+
+
+def box(size=(1, 1, 1), origin=(0, 0, 0)):
+    """Vertices and triangles of a box, outward."""
+    points = [tuple(o + s * x for o, s, x in zip(origin, size, corner))
+              for corner in itertools.product((0, 1), repeat=3)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return points, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+
+
+def write_stl(path, points, triangles):
+    with open(path, "w") as f:
+        f.write("solid test\n")
+        for t in triangles:
+            corners = "".join("vertex %s %s %s\n" % tuple(points[i]) for i in t)
+            f.write(f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+        f.write("endsolid test\n")
+
+
+def write_vtk(path, points, tets):
+    with open(path, "w") as f:
+        f.write("# vtk DataFile Version 3.0\ntest\nASCII\nDATASET UNSTRUCTURED_GRID\n")
+        f.write(f"POINTS {len(points)} double\n" + "".join("%s %s %s\n" % tuple(p) for p in points))
+        f.write(f"CELLS {len(tets)} {5 * len(tets)}\n" + "".join("4 %d %d %d %d\n" % tuple(t) for t in tets))
+        f.write(f"CELL_TYPES {len(tets)}\n" + "10\n" * len(tets))
+
+
+def lattice(n):
+    """n^3 cubes, each cut alike into six tetrahedra."""
+    def vertex(p):
+        return p[0] + (n + 1) * (p[1] + (n + 1) * p[2])
+    points = [(i, j, k) for k in range(n + 1) for j in range(n + 1) for i in range(n + 1)]
+    tets = []
+    for cell in itertools.product(range(n), repeat=3):
+        for order in itertools.permutations(range(3)):
+            at, tet = list(cell), [vertex(cell)]
+            for axis in order:
+                at[axis] += 1
+                tet.append(vertex(at))
+            p = np.array([points[v] for v in tet], float)
+            if np.linalg.det(p[1:] - p[0]) < 0:
+                tet[2], tet[3] = tet[3], tet[2]
+            tets.append(tet)
+    return points, tets
+
+
+def read(path):
+    with contextlib.redirect_stdout(io.StringIO()):
+        return meshio.read(path)
+
+
+def audit(path):
+    """Counts, least volume, and the faces of a mesh that do not match, from an independent reader."""
+    mesh = read(path)
+    counts, volumes, faces = {}, [], {}
+    for block in mesh.cells:
+        if block.type not in OUTWARD:
+            continue
+        counts[block.type] = counts.get(block.type, 0) + len(block.data)
+        for cell in block.data:
+            volume = 0.0
+            for face in OUTWARD[block.type]:
+                ids = [cell[i] for i in face]
+                p = mesh.points[ids]
+                centre = p.mean(axis=0)
+                for i in range(len(p)):
+                    volume += np.dot(centre, np.cross(p[i], p[(i + 1) % len(p)])) / 6
+                faces[frozenset(ids)] = faces.get(frozenset(ids), 0) + 1
+            volumes.append(volume)
+    return {"counts": counts, "least_volume": min(volumes), "volume": sum(volumes),
+            "used_over_twice": sum(1 for n in faces.values() if n > 2),
+            "boundary": [f for f, n in faces.items() if n == 1]}
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="framehex_test_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def path(self, name):
+        return str(self.folder / name)
+
+    def run_program(self, *arguments, **options):
+        return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600, **options)
+
+    def check_refused(self, result, *words):
+        """Exit status 2, one line that holds the words, and nothing written but the inputs."""
+        self.assertEqual(result.returncode, 2, result)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.splitlines()
+        errors = [line for line in lines if "were turned" not in line and "were welded" not in line]
+        self.assertEqual(len(errors), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, errors[0])
+        left = [p.name for p in self.folder.iterdir() if p.name.startswith("out") or "partial" in p.name]
+        self.assertEqual(left, [])
+
+    def mesh(self, surface, *more):
+        return self.run_program("mesh", self.path(surface), "-o", self.path("out.vtu"), "--report",
+                                self.path("out.json"), *more)
+
+
+class TestCommandLine(Case):
+    def test_help_and_version(self):
+        for arguments in (["--help"], ["mesh", "--help"], ["--version"]):
+            result = self.run_program(*arguments)
+            self.assertEqual(result.returncode, 0)
+            self.assertNotEqual(result.stdout, "")
+
+    def test_what_makes_no_sense(self):
+        write_stl(self.path("box.stl"), *box())
+        surface, out = self.path("box.stl"), self.path("out.vtu")
+        for arguments, word in [([], "subcommand"), (["mesh"], "required"), (["mesh", surface], "--output"),
+                                (["paint"], "subcommand"),
+                                (["mesh", surface, "-o", out, "--field", "wrong"], "wrong"),
+                                (["mesh", surface, "-o", out, "--order", "wrong"], "wrong"),
+                                (["mesh", surface, "-o", out, "--select", "wrong"], "wrong"),
+                                (["mesh", surface, "-o", out, "--interfaces", "wrong"], "wrong"),
+                                (["mesh", surface, "-o", out, "--size", "x"], "--size"),
+                                (["mesh", surface, "-o", out, "--size", "1", "--cells", "9"], "excludes"),
+                                (["mesh", surface, "-o", out, "--cells", "0"], "--cells"),
+                                (["mesh", surface, "-o", out, "--floor", "2"], "--floor"),
+                                (["mesh", surface, "-o", out, "--floor", "nan"], "--floor"),
+                                (["mesh", surface, "-o", out, "--features", "-1"], "--features"),
+                                (["mesh", surface, "-o", out, "--budget", "-1"], "--budget"),
+                                (["mesh", surface, "-o", out, "--gap", "101"], "--gap"),
+                                (["mesh", surface, "-o", out, "--threads", "-1"], "--threads"),
+                                (["mesh", surface, "-o", out, "--seed", "-1"], "--seed")]:
+            self.check_refused(self.run_program(*arguments), word)
+
+
+class TestBadSurfaces(Case):
+    def test_files(self):
+        (self.folder / "empty.stl").write_bytes(b"")
+        (self.folder / "text.stl").write_text("hello world\n")
+        (self.folder / "none.stl").write_text("solid x\nendsolid x\n")
+        (self.folder / "short.stl").write_bytes(BUNNY.read_bytes()[:1000])
+        (self.folder / "box.step").write_text("ISO-10303-21;")
+        (self.folder / "folder.stl").mkdir()
+        for name, word in [("missing.stl", "No such file"), ("empty.stl", "empty"), ("text.stl", "cannot be understood"),
+                           ("none.stl", "no triangles"), ("short.stl", "cannot be understood"),
+                           ("box.step", "unknown extension"), ("folder.stl", "directory")]:
+            with self.subTest(name):
+                self.check_refused(self.mesh(name), self.path(name), word)
+
+    def test_unreadable(self):
+        write_stl(self.path("box.stl"), *box())
+        os.chmod(self.path("box.stl"), 0)
+        if os.geteuid() == 0:
+            self.folder.chmod(0o755)
+
+            def become_nobody():
+                os.setgroups([])
+                os.setgid(65534)
+                os.setuid(65534)
+            # Nobody may not write here either: the output goes elsewhere, and never comes to be.
+            result = self.run_program("mesh", self.path("box.stl"), "-o", "/tmp/framehex_never.vtu",
+                                      preexec_fn=become_nobody)
+        else:
+            result = self.mesh("box.stl")
+        self.check_refused(result, self.path("box.stl"), "Permission denied")
+
+    def test_coordinates(self):
+        for bad in ("nan", "inf", "-inf"):
+            points, triangles = box()
+            points[5] = (points[5][0], bad, points[5][2])
+            write_stl(self.path("box.stl"), points, triangles)
+            self.check_refused(self.mesh("box.stl"), self.path("box.stl"), "vertex", "not finite")
+
+    def test_topology(self):
+        points, triangles = box()
+        write_stl(self.path("open.stl"), points, triangles[:-1])
+        self.check_refused(self.mesh("open.stl"), self.path("open.stl"), "open along edge")
+        other, _ = box(origin=(1, 1, 0))
+        both = points + other
+        write_stl(self.path("touching.stl"), both, triangles + [tuple(i + 8 for i in t) for t in triangles])
+        self.check_refused(self.mesh("touching.stl"), self.path("touching.stl"), "edge", "more than two")
+        write_stl(self.path("fan.stl"), points + [(2, 2, 2)], triangles + [(0, 1, 8)])
+        self.check_refused(self.mesh("fan.stl"), self.path("fan.stl"), "edge")
+        write_stl(self.path("flat.stl"), [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)])
+        self.check_refused(self.mesh("flat.stl", "--size", "0.1"))
+
+    def test_crossing_itself(self):
+        points, triangles = box()
+        other, _ = box(origin=(0.5, 0.4, 0.3))
+        write_stl(self.path("crossing.stl"), points + other, triangles + [tuple(i + 8 for i in t) for t in triangles])
+        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"))
+
+    def test_size(self):
+        write_stl(self.path("box.stl"), *box())
+        for size in ("0", "-1", "nan", "inf", "1e9", "1e-9", "2"):
+            with self.subTest(size):
+                self.check_refused(self.mesh("box.stl", "--size", size), "size")
+
+    def test_no_tetgen(self):
+        write_stl(self.path("box.stl"), *box())
+        result = self.run_program("mesh", self.path("box.stl"), "-o", self.path("out.vtu"), "--size", "0.5",
+                                  env={**os.environ, "PATH": str(self.folder)})
+        self.check_refused(result, "tetgen", "install")
+
+
+class TestBadTetMeshes(Case):
+    def refused(self, points, tets, *words):
+        write_vtk(self.path("tets.vtk"), points, tets)
+        for command in ("recombine", "field"):
+            result = self.run_program(command, self.path("tets.vtk"), "-o", self.path("out.vtu"), "--report",
+                                      self.path("out.json"))
+            self.check_refused(result, self.path("tets.vtk"), *words)
+
+    def test_cells(self):
+        points, tets = lattice(2)
+        turned = [list(t) for t in tets]
+        turned[7][2:] = turned[7][:1:-1]
+        self.refused(points, turned, "cell 7", "inverted")
+        flat = [list(p) for p in points]
+        self.refused(flat + [[0.5, 0.5, 0]], tets + [[0, 1, 3, len(flat)]], f"cell {len(tets)}", "no volume")
+        self.refused(points, tets + [[0, 1, 2, len(points)]], f"cell {len(tets)}", f"vertex {len(points)}")
+        self.refused(points, tets + [[0, 1, 1, 2]], f"cell {len(tets)}", "twice")
+        self.refused(points, tets + [tets[3]], "")
+        nan = [list(p) for p in points]
+        nan[4][1] = "nan"
+        self.refused(nan, tets, "vertex 4", "not finite")
+
+    def test_files(self):
+        (self.folder / "text.vtu").write_text("hello")
+        (self.folder / "text.msh").write_text("hello")
+        (self.folder / "empty.mesh").write_text("")
+        for name in ("missing.vtk", "text.vtu", "text.msh", "empty.mesh", "mesh.xyz"):
+            for command in ("recombine", "field"):
+                self.check_refused(self.run_program(command, self.path(name), "-o", self.path("out.vtu")),
+                                   self.path(name))
+            self.check_refused(self.run_program("inspect", self.path(name), "--report", self.path("out.json")),
+                               self.path(name))
+
+    def test_other_cells(self):
+        mesh = meshio.Mesh(np.array(lattice(1)[0], float), [("hexahedron", [[0, 1, 3, 2, 4, 5, 7, 6]])])
+        mesh.write(self.path("hex.vtu"))
+        self.check_refused(self.run_program("recombine", self.path("hex.vtu"), "-o", self.path("out.vtu")),
+                           self.path("hex.vtu"), "cell 0 is not a tetrahedron")
+
+
+class TestBadOutput(Case):
+    def setUp(self):
+        super().setUp()
+        write_vtk(self.path("tets.vtk"), *lattice(2))
+
+    def recombine(self, output, *more, **options):
+        return self.run_program("recombine", self.path("tets.vtk"), "-o", output, *more, **options)
+
+    def test_names(self):
+        for name, word in [("out.stl", "unknown extension"), ("out.vtk", "not written"), ("none/out.vtu", "No such file")]:
+            self.check_refused(self.recombine(self.path(name)), self.path(name), word)
+        self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("none/out.json")), "out.json")
+        self.check_refused(self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.msh")), "out.msh")
+
+    def test_no_permission(self):
+        self.folder.chmod(0o555)
+        os.chmod(self.path("tets.vtk"), 0o444)
+
+        def become_nobody():
+            if os.geteuid() == 0:
+                os.setgroups([])
+                os.setgid(65534)
+                os.setuid(65534)
+        self.addCleanup(self.folder.chmod, 0o755)
+        result = self.recombine(self.path("out.vtu"), preexec_fn=become_nobody)
+        self.check_refused(result, self.path("out.vtu"), "Permission denied")
+
+    def test_full_disk(self):
+        def small_files():  # stands in for a full disk: writing beyond fails in the same way
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
+        for extension in ("vtu", "msh", "mesh"):
+            result = self.recombine(self.path("out." + extension), preexec_fn=small_files)
+            self.check_refused(result, "out." + extension, "cannot be written whole")
+        result = self.recombine(self.path("out.mesh"), "--report", self.path("out.json"), preexec_fn=small_files)
+        self.check_refused(result, "cannot be written whole")
+        self.check_refused(self.recombine(self.path("out.mesh"), "--report", "/dev/full"), "/dev/full", "No space left")
+
+
+class TestRecombine(Case):
+    def test_lattice_becomes_cubes(self):
+        write_vtk(self.path("tets.vtk"), *lattice(3))
+        for extension in ("vtu", "msh", "mesh"):
+            out = self.path("out." + extension)
+            result = self.run_program("recombine", self.path("tets.vtk"), "-o", out, "--report", self.path("out.json"))
+            self.assertEqual(result.returncode, 0, result)
+            found = audit(out)
+            self.assertEqual(found["counts"], {"hexahedron": 27})
+            self.assertGreater(found["least_volume"], 0)
+            self.assertAlmostEqual(found["volume"], 27)
+            inspected = self.run_program("inspect", out, "--report", self.path("in.json"))
+            self.assertEqual(inspected.returncode, 0, inspected)
+            self.assertEqual(json.loads((self.folder / "in.json").read_text())["counts"]["hexahedra"], 27)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(report["counts"]["hexahedra"], 27)
+        self.assertEqual(report["counts"]["cells"], 27)
+        self.assertEqual(report["hex_ratio"], {"number": 1.0, "volume": 1.0, "floor": 0.2})
+        self.assertAlmostEqual(report["quality"]["least"], 1)
+        self.assertEqual(report["graph"]["candidates"], 453)  # counted by independent programs
+        self.assertEqual(report["selection"]["gap_percent"], 0)
+        self.assertEqual(report["selection"]["status"], "optimal")
+        self.assertEqual(report["conformity"]["open_quads"], 0)
+        for key in ("seconds", "peak_memory_bytes", "options", "version"):
+            self.assertIn(key, report)
+
+    def test_options(self):
+        write_vtk(self.path("tets.vtk"), *lattice(2))
+        for more in (["--select", "greedy"], ["--select", "exact"], ["--gap", "5"], ["--budget", "0"], ["--seed", "7"],
+                     ["--threads", "2"], ["--interfaces", "open"], ["--interfaces", "no-pyramids"], ["--floor", "0.9"]):
+            with self.subTest(more):
+                result = self.run_program("recombine", self.path("tets.vtk"), "-o", self.path("out.vtu"), *more)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 8})
+
+    def test_labels_are_carried(self):
+        points, tets = lattice(2)
+        regions = [0 if sum(points[v][0] for v in t) / 4 < 1 else 3 for t in tets]
+        mesh = meshio.Mesh(np.array(points, float), [("tetra", tets)], cell_data={"label": [np.array(regions)]})
+        mesh.write(self.path("tets.vtu"))
+        result = self.run_program("recombine", self.path("tets.vtu"), "-o", self.path("out.vtu"))
+        self.assertEqual(result.returncode, 0, result)
+        out = read(self.path("out.vtu"))
+        labels = [int(x) for k, block in enumerate(out.cells) if block.type == "hexahedron"
+                  for x in np.ravel(out.cell_data["label"][k])]
+        self.assertEqual(sorted(labels), [0] * 4 + [3] * 4)
+
+
+class TestField(Case):
+    def test_box(self):
+        write_vtk(self.path("tets.vtk"), *lattice(3))
+        for method in ("nearest", "smoothed", "best"):
+            result = self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.vtu"), "--field", method,
+                                      "--report", self.path("out.json"))
+            self.assertEqual(result.returncode, 0, result)
+            report = json.loads((self.folder / "out.json").read_text())
+            self.assertAlmostEqual(report["field"]["smoothness_mean"], 1, places=3)
+            self.assertEqual(report["field"]["singular_edges"], 0)
+            out = read(self.path("out.vtu"))
+            self.assertEqual(out.point_data["frame"].shape, (64, 4))
+            np.testing.assert_allclose(np.linalg.norm(out.point_data["frame"], axis=1), 1, atol=1e-12)
+            # The axes are those of the box, in some order.
+            np.testing.assert_allclose(np.abs(out.point_data["frame_x"]).max(axis=1), 1, atol=1e-6)
+
+
+class TestInspect(Case):
+    def test_faults_are_counted(self):
+        points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0.5, 0.5, 2)]
+        cells = [("hexahedron", [[0, 1, 2, 3, 4, 5, 6, 7]]), ("tetra", [[4, 5, 6, 8], [4, 6, 7, 8]])]
+        meshio.Mesh(np.array(points, float), cells).write(self.path("open.vtu"))
+        result = self.run_program("inspect", self.path("open.vtu"), "--report", self.path("open.json"))
+        self.assertEqual(result.returncode, 0, result)
+        report = json.loads((self.folder / "open.json").read_text())
+        self.assertEqual(report["conformity"]["open_quads"], 1)
+        self.assertEqual(report["counts"],
+                         {"vertices": 9, "cells": 3, "tetrahedra": 2, "pyramids": 0, "prisms": 0, "hexahedra": 1})
+        self.assertAlmostEqual(report["hex_ratio"]["number"], 1 / 3)
+        self.assertAlmostEqual(report["hex_ratio"]["volume"], 3 / 4)
+        self.assertIn("face two triangles: 1", result.stdout)
+
+    def test_inverted_cells_are_named(self):
+        points, tets = lattice(1)
+        tets[2][2:] = tets[2][:1:-1]
+        write_vtk(self.path("tets.vtk"), points, tets)
+        result = self.run_program("inspect", self.path("tets.vtk"), "--report", self.path("in.json"))
+        self.assertEqual(result.returncode, 0, result)
+        quality = json.loads((self.folder / "in.json").read_text())["quality"]
+        self.assertEqual(quality["inverted_cells"], [2])
+        self.assertEqual(quality["invalid_cells"], [2])
+
+    def test_quiet(self):
+        write_vtk(self.path("tets.vtk"), *lattice(1))
+        self.assertEqual(self.run_program("inspect", self.path("tets.vtk"), "--quiet").stdout, "")
+
+
+class TestMeshBox(Case):
+    def test_a_box_becomes_cubes_in_all_variants(self):
+        write_stl(self.path("box.stl"), *box((2, 1, 1)))
+        for field, order in itertools.product(("nearest", "smoothed", "best"), ("fifo", "smoothness")):
+            with self.subTest(field=field, order=order):
+                result = self.mesh("box.stl", "--size", "0.25", "--field", field, "--order", order)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 128})
+
+    def test_triangles_of_mixed_orientation_are_turned_and_it_says_so(self):
+        points, triangles = box()
+        triangles[3] = triangles[3][::-1]
+        write_stl(self.path("box.stl"), points, triangles)
+        result = self.mesh("box.stl", "--size", "0.5")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("1 of 12 triangles were turned", result.stderr)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 8})
+
+    def test_cells(self):
+        write_stl(self.path("box.stl"), *box())
+        result = self.mesh("box.stl", "--cells", "64")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 64})
+
+
+class TestMeshBunny(Case):
+    """A coarse bunny: the whole way, judged by another reader."""
+
+    def test_mesh(self):
+        size = ["--size", "0.6"]
+        result = self.run_program("mesh", BUNNY, "-o", self.path("out.vtu"), "--report", self.path("out.json"), *size)
+        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(result.stderr, "")
+        found = audit(self.path("out.vtu"))
+        report = json.loads((self.folder / "out.json").read_text())
+        names = {"tetra": "tetrahedra", "pyramid": "pyramids", "wedge": "prisms", "hexahedron": "hexahedra"}
+        for kind, name in names.items():
+            self.assertEqual(found["counts"].get(kind, 0), report["counts"][name])
+        self.assertGreater(found["least_volume"], 0)
+        self.assertEqual(found["used_over_twice"], 0)
+        self.assertAlmostEqual(found["volume"] / 194.29, 1, delta=0.02)
+        self.assertEqual(report["conformity"]["open_quads"], 0)
+        self.assertEqual(report["quality"]["invalid_cells"], [])
+        self.assertGreater(report["hex_ratio"]["volume"], 0.25)
+        self.assertLessEqual(report["selection"]["gap_percent"], 0.5)
+        for key in ("smoothness_mean", "fraction_smooth", "dirichlet_energy", "singular_edges"):
+            self.assertIn(key, report["field"])
+
+        # The same files from another run, with other threads, and in the other formats the same cells.
+        again = self.run_program("mesh", BUNNY, "-o", self.path("again.vtu"), "--threads", "1", "--quiet", *size)
+        self.assertEqual((again.returncode, again.stdout, again.stderr), (0, "", ""))
+        self.assertTrue(filecmp.cmp(self.path("out.vtu"), self.path("again.vtu"), shallow=False))
+        self.assertEqual(len(list(self.folder.iterdir())), 3)
+
+
+class TestInterruption(Case):
+    def test_interrupted_within_a_second_without_a_partial_file(self):
+        # At several moments, so that different stages are under way.
+        for delay in (0.3, 1, 2.5, 5):
+            process = subprocess.Popen([PROGRAM, "mesh", str(BUNNY), "-o", self.path("out.vtu"), "--size", "0.2"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(delay)
+            if process.poll() is not None:
+                process.communicate()
+                break
+            process.send_signal(signal.SIGINT)
+            start = time.monotonic()
+            out, err = process.communicate(timeout=60)
+            seconds = time.monotonic() - start
+            self.assertEqual(process.returncode, 130, err)
+            self.assertEqual((out, err), ("", "framehex: interrupted\n"))
+            self.assertLess(seconds, 2)  # a second, and another for a machine that is busy otherwise
+            self.assertEqual(list(self.folder.iterdir()), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
