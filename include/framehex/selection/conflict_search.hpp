@@ -40,11 +40,16 @@ struct PairIndex {
   std::vector<index_t> first_slot;      ///< n_groups + 1
   std::vector<index_t> first_diagonal;  ///< n_groups
 
+  std::vector<index_t> partners;  ///< by place in `slots`, for diagonals: group of the other diagonal of the face
+
   std::span<const index_t> edges(index_t group) const {
     return {slots.data() + first_slot[group], slots.data() + first_diagonal[group]};
   }
   std::span<const index_t> diagonals(index_t group) const {
     return {slots.data() + first_diagonal[group], slots.data() + first_slot[group + 1]};
+  }
+  std::span<const index_t> partners_of(index_t group) const {
+    return {partners.data() + first_diagonal[group], partners.data() + first_slot[group + 1]};
   }
 };
 
@@ -98,6 +103,11 @@ inline PairIndex make_pair_index(const PotentialHexahedra& candidates, std::size
   if (index.first_diagonal.size() < index.first_slot.size())
     index.first_diagonal.push_back(static_cast<index_t>(n_slots));
   index.first_slot.push_back(static_cast<index_t>(n_slots));
+  index.partners.resize(n_slots, no_index);
+  for (std::size_t place = 0; place < n_slots; ++place) {
+    const std::size_t candidate = index.slots[place] / n_pairs, pair = index.slots[place] % n_pairs;
+    if (pair >= n_edge_pairs) index.partners[place] = index.group_of_slot[n_pairs * candidate + other_diagonal(pair)];
+  }
   return index;
 }
 
@@ -113,12 +123,46 @@ void for_each_conflict(const PotentialHexahedra& candidates, const Csr<index_t>&
   for (std::size_t pair = n_edge_pairs; pair < n_pairs; ++pair) {
     for (const index_t slot : index.edges(groups[pair])) found(slot / static_cast<index_t>(n_pairs));
     // Two quadrilaterals with one diagonal in common are the same exactly when they have the other in common, too.
-    for (const index_t slot : index.diagonals(groups[pair])) {
-      const index_t j = slot / static_cast<index_t>(n_pairs);
-      const std::size_t other = n_pairs * j + other_diagonal(slot % n_pairs);
-      if (index.group_of_slot[other] != groups[other_diagonal(pair)]) found(j);
-    }
+    const auto slots = index.diagonals(groups[pair]);
+    const auto partners = index.partners_of(groups[pair]);
+    for (std::size_t k = 0; k < slots.size(); ++k)
+      if (partners[k] != groups[other_diagonal(pair)]) found(slots[k] / static_cast<index_t>(n_pairs));
   }
+}
+
+/// The rows of the graph in blocks of candidates, and the length of each. The indices needed on the way end here.
+template <Executor E>
+std::pair<std::vector<offset_t>, std::vector<std::vector<index_t>>> find_conflict_rows(
+    const PotentialHexahedra& candidates, std::size_t n_vertices, std::size_t n_tets, const E& executor) {
+  const std::size_t n = candidates.size();
+  const PairIndex index = make_pair_index(candidates, n_vertices);
+  const Csr<index_t> candidates_of_tet = make_csr(n_tets, [&](auto&& put) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (const index_t tet : candidates.tets[i]) put(tet, static_cast<index_t>(i));
+  });
+  constexpr std::size_t block_size = 2048;
+  const std::size_t n_blocks = (n + block_size - 1) / block_size;
+  std::vector<std::vector<index_t>> block_values(n_blocks);
+  std::vector<offset_t> lengths(n + 1, 0);
+  std::vector<std::vector<index_t>> seen(executor.workers());
+  executor(n_blocks, [&](std::size_t block, std::size_t worker) {
+    auto& last_seen = seen[worker];
+    last_seen.resize(n, no_index);
+    std::vector<index_t> values;
+    for (std::size_t i = block * block_size; i < std::min(n, (block + 1) * block_size); ++i) {
+      const std::size_t first = values.size();
+      last_seen[i] = static_cast<index_t>(i);
+      for_each_conflict(candidates, candidates_of_tet, index, i, [&](index_t j) {
+        if (last_seen[j] == i) return;
+        last_seen[j] = static_cast<index_t>(i);
+        values.push_back(j);
+      });
+      std::sort(values.begin() + static_cast<std::ptrdiff_t>(first), values.end());
+      lengths[i + 1] = values.size() - first;
+    }
+    block_values[block].assign(values.begin(), values.end());
+  });
+  return {std::move(lengths), std::move(block_values)};
 }
 
 /// Number of vertices and tetrahedra named, after checking that no candidate names a vertex twice.
@@ -170,35 +214,7 @@ IncompatibilityGraph build_incompatibility_graph(const PotentialHexahedra& candi
   auto quantised = detail::quantise(weights);
   std::vector<double>().swap(weights);
 
-  const detail::PairIndex index = detail::make_pair_index(candidates, n_vertices);
-  const Csr<index_t> candidates_of_tet = make_csr(n_tets, [&](auto&& put) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (const index_t tet : candidates.tets[i]) put(tet, static_cast<index_t>(i));
-  });
-
-  constexpr std::size_t block_size = 2048;
-  const std::size_t n_blocks = (n + block_size - 1) / block_size;
-  std::vector<std::vector<index_t>> block_values(n_blocks);
-  std::vector<offset_t> offsets(n + 1, 0);
-  std::vector<std::vector<index_t>> seen(executor.workers());
-  executor(n_blocks, [&](std::size_t block, std::size_t worker) {
-    auto& last_seen = seen[worker];
-    last_seen.resize(n, no_index);
-    std::vector<index_t>& values = block_values[block];
-    for (std::size_t i = block * block_size; i < std::min(n, (block + 1) * block_size); ++i) {
-      const std::size_t first = values.size();
-      last_seen[i] = static_cast<index_t>(i);
-      detail::for_each_conflict(candidates, candidates_of_tet, index, i, [&](index_t j) {
-        if (last_seen[j] == i) return;
-        last_seen[j] = static_cast<index_t>(i);
-        values.push_back(j);
-      });
-      std::sort(values.begin() + static_cast<std::ptrdiff_t>(first), values.end());
-      offsets[i + 1] = values.size() - first;
-    }
-    values.shrink_to_fit();
-  });
-
+  auto [offsets, block_values] = detail::find_conflict_rows(candidates, n_vertices, n_tets, executor);
   Csr<index_t> rows;
   for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
   rows.offsets = std::move(offsets);
