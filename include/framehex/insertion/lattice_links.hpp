@@ -30,6 +30,14 @@ inline std::size_t nearest_direction(const Eigen::Matrix3d& axes, const Vector3&
   return 2 * static_cast<std::size_t>(axis) + (local[axis] < 0 ? 1 : 0);
 }
 
+/// The same frame with its axes numbered and signed as those of `reference` that are nearest to them; `axes` itself
+/// when the frames are too far apart for that.
+inline Eigen::Matrix3d renumbered(const Eigen::Matrix3d& axes, const Eigen::Matrix3d& reference) {
+  Eigen::Matrix3d result;
+  for (int a = 0; a < 3; ++a) result.col(a) = lattice_direction(axes, nearest_direction(axes, reference.col(a)));
+  return result.determinant() > 0.5 ? result : axes;
+}
+
 namespace detail {
 
 template <std::size_t Directions>

@@ -29,6 +29,9 @@ struct SurfaceOptions {
   double boundary_distance = 0.5;                  ///< least distance to feature curves, in sizes
   double link_distance = 0.35;  ///< a proposal this near to a sample (in sizes, infinity norm) is that sample
   ParentAveraging averaging = ParentAveraging::parents;
+  index_t rounds = 3;  ///< how often the samples are relaxed and then propose again
+  index_t sweeps =
+      5;  ///< of a relaxation: each moves every sample towards the mean of what its lattice neighbours predict
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
 };
@@ -127,17 +130,12 @@ public:
 
   /// Runs to the end, or until the observer or `max_points` stops it.
   SurfaceInsertion finish() {
-    constexpr std::size_t steps_per_report = 1024;
-    for (std::size_t n = 0; step(); ++n) {
-      if (result_.samples.size() - result_.n_curve_samples > options_.max_points) {
-        result_.status = Status::budget_exhausted;
-        break;
-      }
-      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(result_.n_curve_samples) + 1);
-      if (n % steps_per_report == 0 && !keep_going(options_.observer, "surface insertion", std::min(done, 1.0))) {
-        result_.status = Status::cancelled;
-        break;
-      }
+    run_queue();
+    for (index_t round = 0; round < options_.rounds && result_.status == Status::complete; ++round) {
+      for (index_t sweep = 0; sweep < options_.sweeps; ++sweep) relax();
+      rebuild_proximity();
+      for (index_t p = 0; p < result_.samples.size(); ++p) queue_.push(p, result_.smoothness[p], generations_[p]);
+      run_queue();
     }
     return std::move(result_);
   }
@@ -156,7 +154,23 @@ private:
     double miss = 0;
     Vector3 prediction;
   };
+  static constexpr double max_move = 0.1;          // of a sweep, in sizes
   static constexpr std::size_t any_direction = 4;  // of curve samples, whose links are in no order
+
+  void run_queue() {
+    constexpr std::size_t steps_per_report = 1024;
+    for (std::size_t n = 0; step(); ++n) {
+      if (result_.samples.size() - result_.n_curve_samples > options_.max_points) {
+        result_.status = Status::budget_exhausted;
+        return;
+      }
+      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(result_.n_curve_samples) + 1);
+      if (n % steps_per_report == 0 && !keep_going(options_.observer, "surface insertion", std::min(done, 1.0))) {
+        result_.status = Status::cancelled;
+        return;
+      }
+    }
+  }
 
   Place place(index_t triangle, const Vector3& p) const {
     const CrossSampler::Sample sample = cross_.at(triangle, p);
@@ -253,7 +267,7 @@ private:
   }
 
   void leave_curve(index_t p, const detail::Sector& sector) {
-    const Vector3& origin = result_.samples[p].point;
+    const Vector3 origin = result_.samples[p].point;  // a copy: proposals add samples
     const Eigen::Matrix3d axes = cross_.at(sector.triangle, origin).axes;
     const Vector3 side = walker_.normal(sector.triangle).cross(sector.reference);
     for (std::size_t direction = 0; direction < 4; ++direction) {
@@ -367,16 +381,77 @@ private:
       const Vector3 offset = point - at.point;
       const std::size_t direction =
           nearest_direction(at.axes, Vector3(offset - offset.dot(at.axes.col(2)) * at.axes.col(2)));
-      const Vector3 out = lattice_direction(at.axes, direction);
-      Vector3 along = -out;  // a curve sample has no cross of its own
-      if (q >= result_.n_curve_samples) along += lattice_direction(axes_[q], back_direction(q, out));
-      const Vector3 prediction = point + 0.5 * (at.size + result_.sizes[q]) * along.normalized();
+      const Vector3 prediction = predicted_from(q, lattice_direction(at.axes, direction), at.size);
       const double miss = frame_infinity_norm(at.axes, prediction - at.point);
       Parent& parent = parents[direction];
       const bool better = parent.sample == no_index || miss < parent.miss || (miss == parent.miss && q < parent.sample);
       if (miss < tolerance && better) parent = {q, miss, prediction};
     });
     return parents;
+  }
+
+  /// Where q expects its neighbour from which it lies in direction `out`.
+  Vector3 predicted_from(index_t q, const Vector3& out, double size) const {
+    Vector3 along = -out;  // a curve sample has no cross of its own
+    if (q >= result_.n_curve_samples) along += lattice_direction(axes_[q], back_direction(q, out));
+    return result_.samples[q].point + 0.5 * (size + result_.sizes[q]) * along.normalized();
+  }
+
+  void rebuild_proximity() {
+    proximity_ = Proximity(largest_size_);
+    for (std::size_t i = 0; i < result_.samples.size(); ++i)
+      proximity_.insert(result_.samples[i].point, result_.sizes[i]);
+  }
+
+  /// One sweep: each sample in turn goes to the mean of what its lattice neighbours predict, a tenth of the size at
+  /// most, and only where it may stand.
+  void relax() {
+    rebuild_proximity();
+    for (auto p = static_cast<index_t>(result_.n_curve_samples); p < result_.samples.size(); ++p) {
+      const Vector3 origin = result_.samples[p].point;
+      Vector3 sum = Vector3::Zero();
+      double n = 0;
+      for (std::size_t d = 0; d < 4; ++d) {
+        const index_t q = result_.links[p][d];
+        if (q == no_index) continue;
+        sum += predicted_from(q, lattice_direction(axes_[p], d), result_.sizes[p]) - origin;
+        ++n;
+      }
+      if (n < 2) continue;
+      const Vector3 normal = axes_[p].col(2), move = (sum - sum.dot(normal) * normal) / n;
+      const double length = move.norm();
+      if (length < 1e-9 * result_.sizes[p]) continue;
+      const SurfaceWalk walk = walker_.walk({result_.samples[p].entity, origin, move / length},
+                                            std::min(length, max_move * result_.sizes[p]));
+      if (walk.wall != no_index) continue;
+      Place there = place(walk.end.triangle, walk.end.point);
+      there.axes = renumbered(there.axes, axes_[p]);  // links keep their directions
+      if (may_move(p, there) && clear_of_curves(there)) move_to(p, there);
+    }
+  }
+
+  bool may_move(index_t p, const Place& there) const {
+    bool free = true;
+    for_each_near(
+        proximity_, there.point, there.axes, (rejection_ + 3 * max_move) * there.size,
+        [&](index_t q, const Vector3&, double) {
+          if (q == p || !free || !counts(q, there)) return;
+          const Vector3 offset =
+              result_.samples[q].point - there.point;  // q may have moved since the search structure was built
+          if (frame_infinity_norm(there.axes, offset) < rejection_ * there.size ||
+              (q >= result_.n_curve_samples && frame_infinity_norm(axes_[q], offset) < rejection_ * result_.sizes[q]))
+            free = false;
+        });
+    return free;
+  }
+
+  void move_to(index_t p, const Place& there) {
+    result_.samples[p].point = there.point;
+    result_.samples[p].entity = there.triangle;
+    result_.frames[p] = Quaternion(there.axes);
+    result_.sizes[p] = there.size;
+    result_.smoothness[p] = there.smoothness;
+    axes_[p] = there.axes;
   }
 
   /// Moves a place along the surface to the mean of its parents' predictions, where a sample may stand there.

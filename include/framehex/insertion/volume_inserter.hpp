@@ -60,7 +60,9 @@ struct VolumeOptions {
   double boundary_distance = 0.5;  ///< least distance to the boundary, in sizes
   double link_distance = 0.35;     ///< a proposal this near to a point (in sizes, infinity norm) is that point
   ParentAveraging averaging = ParentAveraging::parents;
-  index_t relaxations = 0;  ///< sweeps that move each point to the mean of what its lattice neighbours predict
+  index_t rounds = 3;  ///< how often the points are relaxed and then propose again
+  index_t sweeps =
+      5;  ///< of a relaxation: each moves every point towards the mean of what its lattice neighbours predict
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
 };
@@ -137,17 +139,12 @@ public:
 
   /// Runs to the end, or until the observer or `max_points` stops it.
   VolumeInsertion finish() {
-    constexpr std::size_t steps_per_report = 2048;
-    for (std::size_t n = 0; step(); ++n) {
-      if (result_.points.size() - result_.n_seeds > options_.max_points) {
-        result_.status = Status::budget_exhausted;
-        break;
-      }
-      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(result_.n_seeds));
-      if (n % steps_per_report == 0 && !keep_going(options_.observer, "volume insertion", std::min(done, 1.0))) {
-        result_.status = Status::cancelled;
-        break;
-      }
+    run_queue();
+    for (index_t round = 0; round < options_.rounds && result_.status == Status::complete; ++round) {
+      for (index_t sweep = 0; sweep < options_.sweeps; ++sweep) relax();
+      rebuild_proximity();
+      for (index_t p = 0; p < result_.points.size(); ++p) queue_.push(p, result_.smoothness[p], result_.generations[p]);
+      run_queue();
     }
     return std::move(result_);
   }
@@ -167,6 +164,21 @@ private:
     double miss = 0;
     Vector3 prediction;
   };
+
+  void run_queue() {
+    constexpr std::size_t steps_per_report = 2048;
+    for (std::size_t n = 0; step(); ++n) {
+      if (result_.points.size() - result_.n_seeds > options_.max_points) {
+        result_.status = Status::budget_exhausted;
+        return;
+      }
+      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(result_.n_seeds));
+      if (n % steps_per_report == 0 && !keep_going(options_.observer, "volume insertion", std::min(done, 1.0))) {
+        result_.status = Status::cancelled;
+        return;
+      }
+    }
+  }
 
   Probe probe(const Vector3& p, index_t hint) const {
     const auto sample = frames_.sample(p, hint);
@@ -295,11 +307,7 @@ private:
     for_each_near(proximity_, candidate, at.axes, (1 + tolerance) * at.size,
                   [&](index_t q, const Vector3& point, double) {
                     const std::size_t direction = nearest_direction(at.axes, point - candidate);
-                    const Vector3 out = lattice_direction(at.axes, direction);
-                    const Eigen::Matrix3d axes = result_.frames[q].toRotationMatrix();
-                    // The mean of the axes at both ends: second order, as the midpoint rule.
-                    const Vector3 along = (lattice_direction(axes, nearest_direction(axes, -out)) - out).normalized();
-                    const Vector3 prediction = point + 0.5 * (at.size + result_.sizes[q]) * along;
+                    const Vector3 prediction = predicted_from(q, lattice_direction(at.axes, direction), at.size);
                     const double miss = frame_infinity_norm(at.axes, prediction - candidate);
                     Parent& parent = parents[direction];
                     if (miss >= tolerance * at.size ||
@@ -330,6 +338,67 @@ private:
     clearance = bound;
   }
 
+  void rebuild_proximity() {
+    proximity_ = Proximity(largest_size_);
+    for (std::size_t i = 0; i < result_.points.size(); ++i) proximity_.insert(result_.points[i], result_.sizes[i]);
+  }
+
+  /// One sweep: each point in turn goes to the mean of what its lattice neighbours predict, a tenth of the size at
+  /// most, and only where it may stand.
+  void relax() {
+    rebuild_proximity();
+    for (index_t p = static_cast<index_t>(result_.n_seeds); p < result_.points.size(); ++p) {
+      Vector3 sum = Vector3::Zero();
+      double n = 0;
+      const Eigen::Matrix3d axes = result_.frames[p].toRotationMatrix();
+      for (std::size_t d = 0; d < 6; ++d) {
+        const index_t q = result_.links[p][d];
+        if (q == no_index) continue;
+        sum += predicted_from(q, lattice_direction(axes, d), result_.sizes[p]);
+        ++n;
+      }
+      if (n < 2) continue;
+      Vector3 move = sum / n - result_.points[p];
+      const double longest = max_move * result_.sizes[p], length = move.norm();
+      if (length < 1e-9 * result_.sizes[p]) continue;
+      if (length > longest) move *= longest / length;
+      const Vector3 to = result_.points[p] + move;
+      Probe there = probe(to, hints_[p]);
+      there.axes = renumbered(there.axes, axes);  // links keep their directions
+      there.frame = Quaternion(there.axes);
+      double clearance = 0;
+      if (!may_move(p, to, there) || !admissible(p, to, there.size, clearance)) continue;
+      result_.points[p] = to;
+      result_.frames[p] = there.frame;
+      result_.sizes[p] = there.size;
+      result_.smoothness[p] = there.smoothness;
+      hints_[p] = there.hint;
+      clearance_[p] = clearance;
+    }
+  }
+
+  /// Where q expects its neighbour from which it lies in direction `out`, by the mean of the axes at both ends: second
+  /// order, as the midpoint rule.
+  Vector3 predicted_from(index_t q, const Vector3& out, double size) const {
+    const Eigen::Matrix3d axes = result_.frames[q].toRotationMatrix();
+    const Vector3 along = (lattice_direction(axes, nearest_direction(axes, -out)) - out).normalized();
+    return result_.points[q] + 0.5 * (size + result_.sizes[q]) * along;
+  }
+
+  bool may_move(index_t p, const Vector3& to, const Probe& there) const {
+    bool free = true;
+    for_each_near(
+        proximity_, to, there.axes, (rejection_ + 3 * max_move) * there.size, [&](index_t q, const Vector3&, double) {
+          if (q == p || !free) return;
+          const Vector3 offset = result_.points[q] - to;  // q may have moved since the search structure was built
+          if (frame_infinity_norm(there.axes, offset) < rejection_ * there.size ||
+              frame_infinity_norm(result_.frames[q].toRotationMatrix(), offset) < rejection_ * result_.sizes[q])
+            free = false;
+        });
+    return free;
+  }
+
+  static constexpr double max_move = 0.1;  // in sizes
   static constexpr std::uint8_t none = 255;
 
   const Frames& frames_;
