@@ -5,6 +5,8 @@
 #include "framehex/assembly/detail/improver.hpp"
 #include "framehex/assembly/detail/interface_closer.hpp"
 #include "framehex/assembly/detail/mixed_export.hpp"
+#include "framehex/assembly/detail/prism_chooser.hpp"
+#include "framehex/assembly/detail/pyramid_free.hpp"
 
 namespace framehex {
 
@@ -58,6 +60,15 @@ inline void check_labels(const TetAdjacency& adjacency, const AssemblyOptions& o
     for (const index_t v : edge.vertices) check(v);
 }
 
+inline void add_up(const CellComplex& complex, AssemblyStatistics& statistics) {
+  for (index_t cell = 0; cell < complex.cells.size(); ++cell) {
+    if (!complex.cells[cell].alive) continue;
+    const double volume = complex.volume(cell);
+    statistics.volume += volume;
+    if (complex.cells[cell].kind == CellKind::hexahedron) statistics.hexahedron_volume += volume;
+  }
+}
+
 /// What faces each open quadrilateral, in the numbers of the exported mesh.
 inline std::vector<OpenInterface> list_open(const CellComplex& complex, const MixedExport& result) {
   std::vector<index_t> vertex(complex.n_vertices(), no_index), cell(complex.cells.size(), no_index);
@@ -104,7 +115,7 @@ template <TetMesh M>
 Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialHexahedra& candidates,
                   std::span<const index_t> selected, const AssemblyOptions& options = {}) {
   detail::check_labels(adjacency, options);
-  const PotentialPrisms prisms;
+  PotentialPrisms prisms;
   detail::ComplexBuilder builder(positions(mesh), adjacency, options);
   detail::add_selection(builder, candidates, selected);
   Assembly result;
@@ -112,23 +123,41 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
   detail::CellComplex& complex = builder.complex;
   for (index_t cell = 0; cell < complex.cells.size(); ++cell)
     statistics.hexahedron_volume_chosen += complex.volume(cell);
+  if (options.prisms == PrismMode::chosen) {
+    prisms = detail::find_free_prisms(mesh, adjacency, builder, options);
+    detail::choose_prisms(builder, prisms, options.interfaces == InterfaceMode::open ? 3 : 1);
+  }
   builder.finish();
 
   const detail::Originals originals{adjacency, candidates, prisms};
-  detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics);
   statistics.n_open_quadrilaterals = complex.open_quads.size();
-  closer.merge_pairs(options.quality_floor);
-  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, {}, statistics);
-  if (options.interfaces != InterfaceMode::open) {
-    if (options.improvement == ImprovementMode::improve) improver.reconnect();
-    closer.close_all();
+  detail::VertexSmoother::Projection projection;
+  if (options.boundary_projection)
+    projection = [&](index_t v, Vector3& place) {
+      return v < adjacency.n_vertices() && options.boundary_projection(v, place);
+    };
+  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, projection, statistics);
+  const bool improve = options.improvement == ImprovementMode::improve;
+  if (options.interfaces == InterfaceMode::no_pyramids) {
+    detail::PyramidFreeCloser(complex, originals, options.prism_quality_floor, statistics).close_all();
+  } else {
+    detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics);
+    closer.merge_pairs(options.quality_floor);
+    if (options.interfaces == InterfaceMode::conforming) {
+      if (improve) improver.reconnect();
+      closer.close_all();
+    }
   }
-  if (options.improvement == ImprovementMode::improve) improver.run(8);
+  if (improve) improver.run(8, options.interfaces == InterfaceMode::conforming);
+  detail::add_up(complex, statistics);
 
   detail::MixedExport exported = detail::export_cells(complex);
   result.open = detail::list_open(complex, exported);
   result.mesh = std::move(exported.mesh);
-  detail::label_faces(result.mesh, exported.vertex_of, options.faces, result.open);
+  detail::label_edges(result.mesh, exported.vertex_of, options.edges);
+  std::vector<LabelledFace> labels(options.faces.begin(), options.faces.end());
+  labels.insert(labels.end(), builder.extra_labels.begin(), builder.extra_labels.end());
+  detail::label_faces(result.mesh, exported.vertex_of, labels, result.open);
   for (const index_t v : exported.vertex_of) result.vertex_of.push_back(v < adjacency.n_vertices() ? v : no_index);
   for (const index_t cell : exported.cell_of)
     result.candidate_of.push_back(complex.cells[cell].kind == CellKind::hexahedron ? complex.cells[cell].source

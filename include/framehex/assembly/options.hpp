@@ -4,6 +4,8 @@
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/observer.hpp"
 
+#include <functional>
+
 namespace framehex {
 
 /// What becomes of a quadrilateral of a hexahedron or prism that faces two triangles.
@@ -25,6 +27,8 @@ struct AssemblyOptions {
   InterfaceMode interfaces = InterfaceMode::conforming;
   PrismMode prisms = PrismMode::chosen;
   ImprovementMode improvement = ImprovementMode::improve;
+  /// Least scaled Jacobian of a prism that is chosen, 0 to 1.
+  double prism_quality_floor = 0.25;
   /// Least scaled Jacobian that a closed interface may leave, -1 to 1, before a hexahedron is given up for it.
   double quality_floor = 0.05;
   /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, -1 to 1.
@@ -38,6 +42,10 @@ struct AssemblyOptions {
   std::span<const LabelledFace> faces{};
   /// Labelled edges of the tetrahedral mesh (feature curves); they stay edges.
   std::span<const LabelledEdge> edges{};
+  /// Lets improvement move boundary vertices: brings a trial place of vertex `vertex` of the tetrahedral mesh back to
+  /// its surface or curve, or returns false when that vertex may not move. Empty: no boundary vertex moves.
+  /// `BoundarySlider` is one.
+  std::function<bool(index_t vertex, Vector3& place)> boundary_projection{};
   Observer observer{};
 };
 

@@ -40,6 +40,7 @@ public:
     for (const index_t tet : tets) owner_[tet] = id;
     for (const index_t sliver : slivers_)
       if (sliver_of_[sliver] == no_index) sliver_of_[sliver] = id;
+    extra_labels.insert(extra_labels.end(), labels_.begin(), labels_.end());
     sides_of_.insert(sides_of_.end(), sides_.begin(), sides_.end());
     for (const auto& [pair, other] : pairs_) pair_use_.try_emplace(pair, PairUse{other, id});
     return {};
@@ -59,6 +60,9 @@ public:
     }
     sides_of_.clear();
   }
+
+  /// Labels for the triangles of the other diagonal of labelled quadrilaterals, which may come back cut that way.
+  std::vector<LabelledFace> extra_labels;
 
   bool is_free(index_t tet) const { return owner_[tet] == no_index && sliver_of_[tet] == no_index; }
 
@@ -133,6 +137,7 @@ private:
   std::vector<index_t> slivers_;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs_;
   std::vector<Side> sides_;
+  std::vector<LabelledFace> labels_;
   Fit fit_;
 };
 
@@ -140,6 +145,7 @@ inline ComplexBuilder::Refusal ComplexBuilder::check(CellKind kind, std::span<co
                                                      std::span<const index_t> tets) {
   slivers_.clear();
   sides_.clear();
+  labels_.clear();
   fit_ = {};
   if (tets.empty()) return {"it has no tetrahedra"};
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -257,9 +263,16 @@ inline ComplexBuilder::Refusal ComplexBuilder::add_side(const std::array<index_t
     side.outer_diagonal = 1 - inner_diagonal;
     for (int i = 0; i < 2; ++i) side.outer[static_cast<std::size_t>(i)] = beyond(sliver, side.outer_diagonal, i);
   }
-  if (!face_label_.empty())
-    for (const int diagonal : {inner_diagonal, side.outer_diagonal})
+  if (!face_label_.empty()) {
+    for (const int diagonal : {0, 1})
       if (label(diagonal, 0) != label(diagonal, 1)) return {"one of its faces lies on two labelled patches"};
+    for (const int diagonal : {0, 1})
+      if (label(diagonal, 0) != no_index)
+        for (int i = 0; i < 2; ++i) {
+          const OpenQuad other{quad, 0, 1 - diagonal, false, false};
+          labels_.push_back({other.triangle(i), label(diagonal, 0)});
+        }
+  }
 
   const State first = state(side.outer[0]), second = state(side.outer[1]);
   if (first == State::chosen || second == State::chosen) {

@@ -19,7 +19,8 @@ public:
         stubborn_(complex, energy, statistics) {}
 
   /// First without the vertices of hexahedra, whose volume and quality are worth keeping, then with them.
-  void run(int max_rounds) {
+  /// @param may_split  whether a hexahedron or prism may be split to free a bad cell next to it; that makes pyramids.
+  void run(int max_rounds, bool may_split) {
     for (const bool hexahedra_too : {false, true}) {
       double before = collect();
       for (int round = 0; round < max_rounds && !bad_.empty(); ++round) {
@@ -36,7 +37,7 @@ public:
       smooth(3, true);
       reconnect();
     }
-    if (replace_stubborn(0.3, true)) {
+    if (may_split && replace_stubborn(0.3, true)) {
       smooth(3, true);
       reconnect();
       smooth(3, true);

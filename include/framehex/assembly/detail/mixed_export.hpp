@@ -38,6 +38,19 @@ inline MixedExport export_cells(const CellComplex& complex) {
   return result;
 }
 
+/// Carries the labelled edges over: they were protected, so that all are still there.
+inline void label_edges(MixedMesh& mesh, std::span<const index_t> vertex_of, std::span<const LabelledEdge> labels) {
+  std::unordered_map<index_t, index_t> number;
+  for (const LabelledEdge& edge : labels)
+    for (const index_t v : edge.vertices) number[v] = no_index;
+  for (index_t i = 0; i < vertex_of.size(); ++i)
+    if (const auto found = number.find(vertex_of[i]); found != number.end()) found->second = i;
+  for (const LabelledEdge& edge : labels) {
+    const index_t v = number[edge.vertices[0]], w = number[edge.vertices[1]];
+    if (v != no_index && w != no_index) mesh.edges.push_back({{v, w}, edge.label});
+  }
+}
+
 /// Labels the boundary faces, and the inner faces that lie on labelled triangles, of a mixed mesh.
 ///
 /// A quadrilateral takes the label of the triangles that it replaced; a boundary face without one has label 0.

@@ -17,22 +17,27 @@ struct Originals {
     return cell.kind == CellKind::hexahedron ? hexahedra.tets[cell.source] : prisms.tets[cell.source];
   }
 
-  /// The tetrahedron whose corners are those of a quadrilateral, or `no_index`.
-  index_t face_sliver(const std::array<index_t, 4>& quad) const {
+  /// The tetrahedron outside a cell whose corners are those of one of its quadrilaterals, or `no_index`.
+  index_t face_sliver(std::span<const index_t> tets, const std::array<index_t, 4>& quad) const {
     const FaceKey key = face_key(quad);
     for (const index_t tet : adjacency.tets_of_vertex[key[0]])
-      if (face_key(adjacency.tets[tet]) == key) return tet;
+      if (face_key(adjacency.tets[tet]) == key && !std::binary_search(tets.begin(), tets.end(), tet)) return tet;
     return no_index;
   }
 
-  /// Which diagonal of a quadrilateral the tetrahedra inside the cell use: of its vertices 0 and 2, or 1 and 3.
+  /// Which diagonal of a quadrilateral the outermost triangles of the cell use: of its vertices 0 and 2, or 1 and 3.
   int inner_diagonal(std::span<const index_t> tets, const std::array<index_t, 4>& quad) const {
-    for (const index_t tet : tets) {
-      const auto& t = adjacency.tets[tet];
-      const auto has = [&](std::size_t i) { return std::find(t.begin(), t.end(), quad[i]) != t.end(); };
-      if (has(0) && has(2) && (has(1) || has(3))) return 0;
-      if (has(1) && has(3) && (has(0) || has(2))) return 1;
-    }
+    for (const index_t tet : tets)
+      for (std::size_t f = 0; f < 4; ++f) {
+        const index_t beyond = adjacency.neighbours[tet][f];
+        if (beyond != no_index && std::binary_search(tets.begin(), tets.end(), beyond)) continue;
+        const auto triangle = facet(adjacency.tets[tet], static_cast<int>(f));
+        const auto has = [&](std::size_t i) {
+          return std::find(triangle.begin(), triangle.end(), quad[i]) != triangle.end();
+        };
+        if (has(0) && has(2) && (has(1) || has(3))) return 0;
+        if (has(1) && has(3) && (has(0) || has(2))) return 1;
+      }
     return 0;
   }
 };
@@ -62,7 +67,7 @@ inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals
     const index_t open = complex.open_quad_at(quad);
     // A sliver between the cell and tetrahedra or the boundary was absorbed, and has to come back.
     if (side.neighbour == no_index && (open == no_index || complex.open_quads[open].diagonal != side.diagonal))
-      side.sliver = originals.face_sliver(quad);
+      side.sliver = originals.face_sliver(tets, quad);
     if (side.sliver != no_index && !valid(originals.adjacency.tets[side.sliver])) return false;
   }
   for (const index_t tet : tets)

@@ -136,13 +136,18 @@ private:
     }
   }
 
-  /// Positive corners are not enough for hexahedra and prisms, nor in rounding for the others.
+  /// No valid cell becomes invalid: positive corners are not enough for hexahedra and prisms, nor in rounding for the
+  /// others. A cell that is invalid already may stay so while the energy falls.
   bool remains_valid(index_t vertex, const Vector3& place) {
     const Vector3 before = complex_.points[vertex];
-    complex_.points[vertex] = place;
     bool valid = true;
-    complex_.for_each_cell_at(vertex, [&](index_t cell) { valid = valid && complex_.valid(cell); });
-    complex_.points[vertex] = before;
+    complex_.for_each_cell_at(vertex, [&](index_t cell) {
+      if (!valid) return;
+      complex_.points[vertex] = place;
+      valid = complex_.valid(cell);
+      complex_.points[vertex] = before;
+      if (!valid) valid = !complex_.valid(cell);
+    });
     return valid;
   }
 

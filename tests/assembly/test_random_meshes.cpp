@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSL-1.0
+#include <catch2/catch.hpp>
+
+#include "framehex/assembly/assemble.hpp"
+#include "framehex/mesh/validation.hpp"
+#include "framehex/recombination/potential_hex_finder.hpp"
+#include "framehex/selection/conflict_search.hpp"
+#include "framehex/verify/validity.hpp"
+#include "support/small_delaunay.hpp"
+
+#include <boost/random/uniform_int_distribution.hpp>
+
+#include <numeric>
+#include <set>
+
+using namespace framehex;
+
+namespace {
+
+void shuffle(std::vector<index_t>& v, std::mt19937_64& engine) {
+  for (std::size_t i = v.size(); i > 1; --i)
+    std::swap(v[i - 1], v[boost::random::uniform_int_distribution<std::size_t>(0, i - 1)(engine)]);
+}
+
+std::vector<index_t> random_permutation(std::size_t n, std::mt19937_64& engine) {
+  std::vector<index_t> order(n);
+  std::iota(order.begin(), order.end(), index_t{0});
+  shuffle(order, engine);
+  return order;
+}
+
+/// Candidates that can stand together, taken in random order; about a third of what would fit is left out.
+std::vector<index_t> random_selection(const PotentialHexahedra& candidates, std::mt19937_64& engine) {
+  const IncompatibilityGraph graph = build_incompatibility_graph(candidates);
+  std::vector<std::uint8_t> blocked(candidates.size(), 0);
+  std::vector<index_t> selected;
+  for (const index_t i : random_permutation(candidates.size(), engine)) {
+    if (blocked[i] || engine() % 3 == 0) continue;
+    selected.push_back(i);
+    for (const index_t j : graph.neighbours(i)) blocked[j] = 1;
+  }
+  return selected;
+}
+
+/// The same mesh with its vertices and cells in another order.
+MixedMesh shuffled(const MixedMesh& mesh, std::mt19937_64& engine) {
+  MixedMesh result;
+  const auto number = random_permutation(mesh.points.size(), engine);
+  result.points.resize(mesh.points.size());
+  for (std::size_t v = 0; v < number.size(); ++v) result.points[number[v]] = mesh.points[v];
+  for (const index_t cell : random_permutation(mesh.n_cells(), engine)) {
+    std::vector<index_t> corners;
+    for (const index_t v : mesh.cells[cell]) corners.push_back(number[v]);
+    result.add(mesh.kinds[cell], corners);
+  }
+  return result;
+}
+
+void check(const MixedMesh& mesh, double volume) {
+  const auto conformity = verify::is_conforming(mesh);
+  CHECK(conformity.conforming());
+  CHECK(conformity.closed());
+  CHECK(verify::is_valid(mesh));
+  const auto volumes = verify::volume(mesh);
+  CHECK(volumes.relative_difference() < 1e-9);
+  CHECK(volumes.cells == Approx(volume).epsilon(0.1));
+  std::set<std::array<double, 3>> places;
+  for (const Vector3& p : mesh.points) places.insert({p.x(), p.y(), p.z()});
+  CHECK(places.size() == mesh.points.size());
+}
+
+}  // namespace
+
+TEST_CASE("random selections in random Delaunay meshes become conforming and valid", "[assembly]") {
+  std::mt19937_64 engine(2016);
+  std::size_t n_hexahedra = 0, n_open = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    CAPTURE(trial);
+    const double jitter = 0.05 + 0.05 * (trial % 5);
+    const index_t nx = trial % 4 == 0 ? 4 : 3;
+    IndexedTetMesh mesh = test::small_delaunay(test::jittered_lattice(nx, 3, 3, jitter, engine));
+    validate(mesh);
+    const TetAdjacency adjacency = make_adjacency(mesh);
+    const PotentialHexahedra candidates = find_potential_hexahedra(
+        mesh, {.quality_floor = trial % 2 == 0 ? 0.01 : 0.2,
+               .boundary_rule = trial % 3 == 0 ? BoundaryRule::ignore : BoundaryRule::both_or_neither});
+    const auto selected = random_selection(candidates, engine);
+    n_hexahedra += selected.size();
+    double volume = 0;
+    for (const auto& t : mesh.tets)
+      volume += orientation_determinant(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]) / 6;
+    for (const auto mode : {InterfaceMode::conforming, InterfaceMode::no_pyramids})
+      for (const auto improvement : {ImprovementMode::none, ImprovementMode::improve}) {
+        const Assembly result =
+            assemble(mesh, adjacency, candidates, selected, {.interfaces = mode, .improvement = improvement});
+        CAPTURE(mode == InterfaceMode::conforming, improvement == ImprovementMode::improve);
+        CHECK(result.open.empty());
+        n_open += result.statistics.n_open_quadrilaterals;
+        check(result.mesh, volume);
+        check(shuffled(result.mesh, engine), volume);
+        const bool has_pyramids =
+            std::find(result.mesh.kinds.begin(), result.mesh.kinds.end(), CellKind::pyramid) != result.mesh.kinds.end();
+        if (mode == InterfaceMode::no_pyramids) CHECK_FALSE(has_pyramids);
+      }
+    const Assembly open = assemble(mesh, adjacency, candidates, selected, {.interfaces = InterfaceMode::open});
+    CHECK(verify::is_valid(open.mesh));
+  }
+  // The test would be worth nothing without them.
+  CHECK(n_hexahedra > 400);
+  CHECK(n_open > 2000);
+}
