@@ -157,15 +157,18 @@ public:
 
   /// Axis times angle of the least rotation from one frame to another; the zero vector when they coincide.
   static Vector rotation_vector(const Rotation& from, const Rotation& to) {
-    const Rotation r = to * element(inverse(nearest(from.conjugate() * to))) * from.conjugate();
-    return logarithm(positive(r));
+    const std::array<Scalar, 4> r = residual(from, to);
+    const Scalar factor = angle_per_sine(r), w = from.w(), x = from.x(), y = from.y(), z = from.z();
+    const Scalar a = factor * r[1], b = factor * r[2], c = factor * r[3];
+    // The vector (a, b, c) turned by `from`.
+    const Scalar s = 2 * (y * c - z * b), t = 2 * (z * a - x * c), u = 2 * (x * b - y * a);
+    return Vector(a + w * s + (y * u - z * t), b + w * t + (z * s - x * u), c + w * u + (x * t - y * s));
   }
 
   /// Angle of the least rotation from one frame to another, radians.
   static Scalar angle(const Rotation& from, const Rotation& to) {
-    const Rotation between = from.conjugate() * to;
-    const Rotation r = between * element(inverse(nearest(between)));
-    return 2 * std::atan2(r.vec().norm(), std::abs(r.w()));
+    const std::array<Scalar, 4> r = residual(from, to);
+    return std::abs(angle_per_sine(r)) * std::sqrt(r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
   }
 
   /// Axis times angle of a rotation with w >= 0.
@@ -187,6 +190,27 @@ public:
 
 private:
   static constexpr const detail::CubeTables<Scalar>& tables = detail::cube_tables<Scalar>;
+
+  /// The least rotation in the axes of `from`, up to sign. In plain components: Eigen's products, which pack two
+  /// numbers, take half as long again under gcc.
+  static std::array<Scalar, 4> residual(const Rotation& from, const Rotation& to) {
+    using Tables = detail::CubeTables<Scalar>;
+    const auto between = Tables::product({from.w(), -from.x(), -from.y(), -from.z()}, {to.w(), to.x(), to.y(), to.z()});
+    const auto& g = tables.elements[at(Tables::nearest_of(between))];
+    return Tables::product(between, {g[0], -g[1], -g[2], -g[3]});
+  }
+
+  /// Angle over sine of half the angle, with the sign of w, of a rotation by at most 62.8 degrees: 4 atan(t) / sin with
+  /// t the tangent of a quarter of the angle, at most 0.282, by its series to 1e-16. The library's inverse functions
+  /// would take half of the time of a matching.
+  static Scalar angle_per_sine(const std::array<Scalar, 4>& r) {
+    const Scalar w = r[0] < 0 ? r[0] - 1 : r[0] + 1;
+    const Scalar x = (r[1] * r[1] + r[2] * r[2] + r[3] * r[3]) / (w * w), x2 = x * x, x4 = x2 * x2;
+    const auto pair = [x](int k) { return Scalar(1.0 / (2 * k + 1)) - x * Scalar(1.0 / (2 * k + 3)); };
+    const Scalar low = (pair(0) + x2 * pair(2)) + x4 * (pair(4) + x2 * pair(6));
+    const Scalar high = (pair(8) + x2 * pair(10)) + x4 * pair(12);
+    return 4 * (low + x4 * x4 * high) / w;
+  }
 
   static constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static Rotation positive(Rotation q) {
