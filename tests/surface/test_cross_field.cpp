@@ -69,7 +69,7 @@ TEST_CASE("crosses on a box are its axes, and turn a quarter about each corner")
   const double worst = worst_misalignment(c, [](const Vector3&, const Vector3& n) {
     return std::abs(n.x()) > 0.5 ? Vector3(Vector3::UnitY()) : Vector3(Vector3::UnitX());
   });
-  CHECK(worst < 1e-9);
+  CHECK(worst < 1e-7);  // what the arc cosine leaves
   CHECK(c.field.singularities.size() == 8);
   for (const auto& s : c.field.singularities) {
     CHECK(s.index == 1);
@@ -81,10 +81,6 @@ TEST_CASE("crosses on a box are its axes, and turn a quarter about each corner")
 TEST_CASE("crosses on the side of a cylinder follow its axis; each lid has four singular points") {
   const Case c = solve(test::cylinder_surface(0.5, 2, 48), 0.1);
   check_frames(c);
-  const double worst = worst_misalignment(c, [](const Vector3&, const Vector3& n) {
-    return std::abs(n.z()) > 0.5 ? Vector3(Vector3::Zero()) : Vector3(Vector3::UnitZ());
-  });
-  (void)worst;
   for (std::size_t t = 0; t < c.field.frames.size(); ++t) {
     const Vector3 n = c.field.frames[t] * Vector3::UnitZ();
     if (std::abs(n.z()) > 0.5) continue;
@@ -144,6 +140,32 @@ TEST_CASE("a sphere has eight singular points of a quarter") {
   const Case sphere = solve(test::sphere_surface(1, 4), 1);
   CHECK(sphere.field.singularities.size() == 8);
   for (const auto& s : sphere.field.singularities) CHECK(s.index == 1);
+}
+
+TEST_CASE("curvature guidance lays the crosses of a torus along its circles") {
+  const Case c = solve(test::torus_surface(1, 0.4, 48, 24), 1, {.curvature = 10});
+  CHECK(c.field.singularities.empty());
+  CHECK(worst_misalignment(c, [](const Vector3& p, const Vector3& n) {
+          return Vector3(Vector3(-p.y(), p.x(), 0).normalized().cross(n).normalized());
+        }) < 0.25);
+}
+
+TEST_CASE("the field turns with the surface") {
+  const Quaternion turn(Eigen::AngleAxisd(0.7, Vector3(1, 2, -1).normalized()));
+  for (const auto& surface : {test::cylinder_surface(0.5, 2, 24), test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl")}) {
+    const Case before = solve(surface, 0.5);
+    Case after = before;
+    for (Vector3& p : after.surface.points) p = turn * p + Vector3(3, -1, 2);
+    after.field = compute_cross_field(after.surface, after.adjacency, after.features);
+    for (std::size_t v = 0; v < before.field.smoothness.size(); ++v)
+      CHECK(after.field.smoothness[v] == Approx(before.field.smoothness[v]).margin(1e-6));
+    for (std::size_t t = 0; t < before.field.frames.size(); ++t) {
+      const Eigen::Matrix3d a = (turn * before.field.frames[t]).toRotationMatrix();
+      const Eigen::Matrix3d b = after.field.frames[t].toRotationMatrix();
+      CHECK((a.transpose() * b).cwiseAbs().maxCoeff() > 1 - 1e-9);
+      CHECK((a.col(0).cwiseProduct(b.col(0)).sum() * a.col(0).dot(b.col(1))) == Approx(0).margin(1e-6));
+    }
+  }
 }
 
 TEST_CASE("the field is finite on triangles without area") {

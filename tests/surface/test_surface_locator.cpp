@@ -133,6 +133,19 @@ TEST_CASE("box queries find the triangles that brute force finds") {
     std::sort(other.begin(), other.end());
     CHECK(found == expected);
     CHECK(other == expected);
+
+    std::vector<std::pair<double, index_t>> by_distance, visited;
+    for (index_t i = 0; i < boxes.size(); ++i) {
+      const Vector3 gap = (boxes[i].low - low).cwiseMax(low - boxes[i].high).cwiseMax(0);
+      by_distance.emplace_back(gap.squaredNorm(), i);
+    }
+    std::sort(by_distance.begin(), by_distance.end());
+    index.by_distance(low, [&](index_t i, double squared) {
+      visited.emplace_back(squared, i);
+      return visited.size() < 200;
+    });
+    REQUIRE(visited.size() == 200);
+    for (std::size_t i = 0; i < 200; ++i) CHECK(visited[i].first == Approx(by_distance[i].first).margin(1e-12));
   }
 }
 

@@ -9,6 +9,8 @@
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/index/rtree.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -60,16 +62,15 @@ public:
   /// Id of the nearest point, the smallest among equally near ones; `no_index` when empty.
   index_t nearest(const Vector3& query) const {
     index_t best = no_index;
-    double best_distance = 0;
     if (tree_.empty()) return best;
     const auto q = detail::geometry_point(query);
-    const auto by_distance = boost::geometry::index::nearest(q, static_cast<unsigned>(tree_.size()));
-    for (auto it = tree_.qbegin(by_distance); it != tree_.qend(); ++it) {
-      const double distance = boost::geometry::comparable_distance(q, it->first);
-      if (best != no_index && distance > best_distance) break;
-      if (best == no_index || it->second < best) best = it->second;
-      best_distance = distance;
-    }
+    const auto first = tree_.qbegin(boost::geometry::index::nearest(q, 1u));
+    // The tree's choice among equally near points depends on how it was built: look at all of them.
+    const double squared = boost::geometry::comparable_distance(q, first->first);
+    const Vector3 reach = Vector3::Constant(std::sqrt(squared) * (1 + 1e-12) + 1e-300);
+    const detail::GeometryBox box(detail::geometry_point(query - reach), detail::geometry_point(query + reach));
+    for (auto it = tree_.qbegin(boost::geometry::index::intersects(box)); it != tree_.qend(); ++it)
+      if (boost::geometry::comparable_distance(q, it->first) <= squared) best = std::min(best, it->second);
     return best;
   }
 
@@ -110,15 +111,34 @@ public:
       if (!visit(it->second)) return;
   }
 
-  /// Calls `visit(id, squared distance from query to the box)` by rising distance; stops when it returns false. This is
-  /// the best-first search for anything that the boxes bound.
+  /// Calls `visit(id, squared distance from query to the box)` by rising distance and id; stops when it returns false.
+  /// This is the best-first search for anything that the boxes bound.
   template <class Visit>
   void by_distance(const Vector3& query, Visit&& visit) const {
     const auto q = detail::geometry_point(query);
-    if (tree_.empty()) return;
-    const auto nearest = boost::geometry::index::nearest(q, static_cast<unsigned>(tree_.size()));
-    for (auto it = tree_.qbegin(nearest); it != tree_.qend(); ++it)
-      if (!visit(it->second, boost::geometry::comparable_distance(q, it->first))) return;
+    // Boost's search keeps, sorted, as many boxes as it is asked for: ask for few, and for more when they were not
+    // enough.
+    using Entry = std::pair<double, index_t>;
+    std::vector<Entry> batch;
+    Entry last(-1, 0);
+    for (std::size_t wanted = 16;; wanted *= 4) {
+      const bool all = wanted >= tree_.size();
+      batch.clear();
+      const auto nearest = boost::geometry::index::nearest(q, static_cast<unsigned>(std::min(wanted, tree_.size())));
+      for (auto it = tree_.qbegin(nearest); it != tree_.qend(); ++it)
+        batch.emplace_back(boost::geometry::comparable_distance(q, it->first), it->second);
+      std::sort(batch.begin(), batch.end());
+      if (!all) {  // which of the farthest are in the batch is up to the tree: leave them to the next
+        const double farthest = batch.back().first;
+        while (!batch.empty() && batch.back().first == farthest) batch.pop_back();
+      }
+      for (const Entry& entry : batch) {
+        if (!(last < entry)) continue;
+        if (!visit(entry.second, entry.first)) return;
+        last = entry;
+      }
+      if (all) return;
+    }
   }
 
 private:

@@ -24,8 +24,8 @@ struct SurfaceCrossField {
 /// How crosses are chosen where no feature prescribes them.
 struct CrossFieldOptions {
   double curvature = 0;     ///< >= 0; on closed patches, pull of the principal directions (0: the smoothest field)
-  int max_iterations = 60;  ///< of the eigenvalue solver on closed patches
-  double tolerance = 1e-5;  ///< relative change of the eigenvalue at which it stops
+  int max_iterations = 30;  ///< of the eigenvalue solver on closed patches
+  double tolerance = 1e-3;  ///< relative change of the eigenvalue at which it stops
   int diffusion_steps = 3;  ///< on closed patches, rounds of spreading and bringing back to unit size
 };
 

@@ -69,7 +69,7 @@ public:
     if (unknowns.edges.empty()) return;
     Vector right = Vector::Zero(static_cast<Eigen::Index>(unknowns.edges.size()));
     const Matrix stiffness = assemble(unknowns, 0, &right);
-    const Vector x = Eigen::SimplicialLDLT<Matrix>(stiffness).solve(right);
+    const Vector x = Factor(stiffness).solve(right);
     store(unknowns, x);
   }
 
@@ -93,6 +93,7 @@ public:
 private:
   using Vector = Eigen::VectorXcd;
   using Matrix = Eigen::SparseMatrix<Complex>;
+  using Factor = Eigen::SimplicialLDLT<Matrix>;
 
   struct Unknowns {
     std::vector<index_t> edges;      ///< unknown -> edge
@@ -168,7 +169,10 @@ private:
     const Eigen::VectorXd m = mass(u);
     const double shift =
         1e-3 / m.sum();  // below the least eigenvalue of any surface with curvature, so convergence is quick
-    const Eigen::SimplicialLDLT<Matrix> factor(assemble(u, shift, nullptr));
+    Factor factor;
+    const Matrix matrix = assemble(u, shift, nullptr);
+    factor.analyzePattern(matrix);
+    factor.factorize(matrix);
 
     Vector x(n), pull(n);
     std::mt19937_64 engine(1);
@@ -198,20 +202,20 @@ private:
       if (std::abs(agreement) > 0) x *= agreement / std::abs(agreement);
       x += options.curvature * pull;
     }
-    diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, x);
+    diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, factor, x);
     store(u, x);
   }
 
   /// Spreads and brings back to unit size, over shorter and shorter times: where the eigenvector is small its direction
   /// is poor, and pairs of opposite singularities stand there that unit crosses do not want.
-  void diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Vector& x) const {
+  void diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Factor& factor, Vector& x) const {
     const auto normalize = [&] {
       for (Complex& value : x)
         if (std::abs(value) > 0) value /= std::abs(value);
     };
     for (int round = 0; round < steps; ++round) {
       time /= 4;
-      const Eigen::SimplicialLDLT<Matrix> factor(assemble(u, 1 / time, nullptr));
+      factor.factorize(assemble(u, 1 / time, nullptr));
       for (int i = 0; i < 4; ++i) {
         normalize();
         x = factor.solve(Vector(m.array() * x.array()));
