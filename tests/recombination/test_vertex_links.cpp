@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "support/delaunay_lattice.hpp"
+#include "support/heavy_meshes.hpp"
 #include "support/reference_hexahedra.hpp"
 
 #include <catch2/catch.hpp>
-
-#include <numbers>
 
 using namespace framehex;
 
@@ -31,17 +30,6 @@ IndexedTetMesh star(int level) {
     triangles = finer;
   }
   for (const auto& [a, b, c] : triangles) mesh.tets.push_back({0, a, b, c});
-  return mesh;
-}
-
-/// n tetrahedra round one edge.
-IndexedTetMesh fan(index_t n) {
-  IndexedTetMesh mesh{{{0, 0, -1}, {0, 0, 1}}, {}};
-  for (index_t i = 0; i < n; ++i) {
-    const double angle = 2 * std::numbers::pi * i / n;
-    mesh.points.emplace_back(std::cos(angle), std::sin(angle), 0.01 * (i % 3));
-    mesh.tets.push_back({0, 1, 2 + i, 2 + (i + 1) % n});
-  }
   return mesh;
 }
 
@@ -86,7 +74,8 @@ TEST_CASE("Links of vertices, light and heavy, agree with the set of facets") {
   check_links(test::DelaunayLattice(3, 1).mesh);
   check_links(star(2));  // 66 neighbours: just beyond one word
   check_links(star(3));
-  check_links(fan(120));
+  check_links(test::fan(120));
+  check_links(test::banded_star(7));
 }
 
 TEST_CASE("Hexahedra at a vertex with 512 tetrahedra and an edge with 500") {
@@ -102,5 +91,17 @@ TEST_CASE("Hexahedra at a vertex with 512 tetrahedra and an edge with 500") {
     CHECK(cell.tets == std::set<index_t>(found.tets[i].begin(), found.tets[i].end()));
   }
   // Round one edge every hexahedron would have to bend through it.
-  CHECK(find_potential_hexahedra(fan(500), options).empty());
+  CHECK(find_potential_hexahedra(test::fan(500), options).empty());
+}
+
+TEST_CASE("Edges with many tetrahedra hide no hexahedra") {
+  // By the symmetry of the bands the number grows by one constant from each n to the next, below and above the valence
+  // at which quadrilaterals are combined in another order.
+  const auto count = [](index_t n) {
+    return find_potential_hexahedra(test::banded_star(n), {.quality_floor = 1e-4}).size();
+  };
+  const std::size_t step = count(9) - count(8);
+  CHECK(step > 0);
+  CHECK(count(12) == count(8) + 4 * step);
+  CHECK(count(20) == count(8) + 12 * step);
 }

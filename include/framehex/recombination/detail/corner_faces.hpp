@@ -14,6 +14,7 @@ public:
   /// The quadrilaterals of a with its neighbours at two positions: a range of opposite vertices.
   struct Face {
     index_t other, begin, end;
+    bool is_rich = true;  ///< some opposite vertex is no hub; see `has_hubs`
   };
 
   explicit CornerFaces(const FinderInput& input)
@@ -30,7 +31,13 @@ public:
       if (ring[i] > a) collect(a, i);
       first_face_.push_back(faces_.size());
     }
+    find_hubs(a);
   }
+
+  /// Whether one or two neighbours of a are hubs: their edges with a have so many facets that the quadrilaterals with
+  /// those diagonals, one for each two of the facets, are too many to combine freely. Three quadrilaterals at a have
+  /// three different opposite vertices: one of them at least is rich.
+  bool has_hubs() const { return !hubs_.empty() && hubs_.size() <= 2; }
 
   /// Those with the neighbour at `i` and another at a higher position, ascending.
   std::span<const Face> faces(index_t i) const {
@@ -51,6 +58,20 @@ public:
   }
 
 private:
+  static constexpr std::size_t hub_degree = 32;
+
+  void find_hubs(index_t a) {
+    hubs_.clear();
+    const auto ring = links_->neighbours(a);
+    if (ring.size() <= hub_degree) return;
+    for (index_t i = 0; i < ring.size(); ++i)
+      if (links_->degree(a, i) > hub_degree) hubs_.push_back(ring[i]);
+    if (!has_hubs()) return;
+    for (Face& face : faces_)
+      face.is_rich = std::ranges::any_of(opposites(face),
+                                         [this](index_t o) { return std::ranges::find(hubs_, o) == hubs_.end(); });
+  }
+
   void collect(index_t a, index_t i) {
     const auto ring = links_->neighbours(a);
     reach_.clear();
@@ -81,7 +102,7 @@ private:
   double floor_;
   std::vector<Face> faces_;
   std::vector<std::size_t> first_face_;  ///< by position among the neighbours of a
-  std::vector<index_t> opposites_, reach_;
+  std::vector<index_t> opposites_, reach_, hubs_;
   std::vector<std::uint8_t> seen_;
 };
 

@@ -28,26 +28,72 @@ public:
   template <class Emit>
   void search(index_t a, Emit&& emit) {
     faces_.collect(a);
-    const auto ring = faces_.links().neighbours(a);
-    face_at_.assign(ring.size(), nullptr);
-    for (index_t i = 0; i < ring.size(); ++i) {
-      for (const Face& ij : faces_.faces(i)) face_at_[ij.other] = &ij;
-      for (const Face& ij : faces_.faces(i))
-        for (const Face& jk : faces_.faces(ij.other)) {
-          const Face* const ik = face_at_[jk.other];
-          if (ik == nullptr) continue;
-          const index_t b = ring[i], x = ring[ij.other], y = ring[jk.other];
-          if (faces_.is_corner(a, b, x, y))
-            complete({a, b, x, y}, ij, *ik, jk, emit);
-          else if (faces_.is_corner(a, b, y, x))
-            complete({a, b, y, x}, *ik, ij, jk, emit);
-        }
-      for (const Face& ij : faces_.faces(i)) face_at_[ij.other] = nullptr;
-    }
+    face_at_.assign(faces_.links().neighbours(a).size(), nullptr);
+    faces_.has_hubs() ? combine_rich(a, emit) : combine(a, emit);
   }
 
 private:
   using Face = CornerFaces::Face;
+
+  /// Each three neighbours of a that have quadrilaterals two by two.
+  template <class Emit>
+  void combine(index_t a, Emit& emit) {
+    for (index_t i = 0; i < face_at_.size(); ++i) {
+      for (const Face& ij : faces_.faces(i)) face_at_[ij.other] = &ij;
+      for (const Face& ij : faces_.faces(i))
+        for (const Face& jk : faces_.faces(ij.other))
+          if (const Face* const ik = face_at_[jk.other]; ik != nullptr) orient(a, i, ij, *ik, jk, emit);
+      for (const Face& ij : faces_.faces(i)) face_at_[ij.other] = nullptr;
+    }
+  }
+
+  /// The same, for those with a rich quadrilateral, of which the first finds them.
+  template <class Emit>
+  void combine_rich(index_t a, Emit& emit) {
+    struct Side {
+      index_t other;
+      const Face* face;
+    };
+    const auto sides = make_csr<Side>(face_at_.size(), [&](auto&& put) {
+      for (index_t i = 0; i < face_at_.size(); ++i)
+        for (const Face& face : faces_.faces(i)) {
+          put(i, Side{face.other, &face});
+          put(face.other, Side{i, &face});
+        }
+    });
+    for (index_t i = 0; i < face_at_.size(); ++i) {
+      for (const Side& side : sides[i]) face_at_[side.other] = side.face;
+      for (const Face& ij : faces_.faces(i)) {
+        if (!ij.is_rich) continue;
+        const index_t j = ij.other;
+        for (const Side& jk : sides[j]) {
+          const index_t k = jk.other;
+          const Face* const ik = k == i ? nullptr : face_at_[k];
+          if (ik == nullptr) continue;
+          // In the order of their pairs, (i, k) comes before (i, j) when k < j, and (j, k) when k < i.
+          if ((k < j && ik->is_rich) || (k < i && jk.face->is_rich)) continue;
+          if (k < i)
+            orient(a, k, *ik, *jk.face, ij, emit);
+          else if (k < j)
+            orient(a, i, *ik, ij, *jk.face, emit);
+          else
+            orient(a, i, ij, *ik, *jk.face, emit);
+        }
+      }
+      for (const Side& side : sides[i]) face_at_[side.other] = nullptr;
+    }
+  }
+
+  /// Names the neighbours at i < j < k b, d, e, the last two in the order of a positive corner.
+  template <class Emit>
+  void orient(index_t a, index_t i, const Face& ij, const Face& ik, const Face& jk, Emit& emit) {
+    const auto ring = faces_.links().neighbours(a);
+    const index_t b = ring[i], x = ring[ij.other], y = ring[jk.other];
+    if (faces_.is_corner(a, b, x, y))
+      complete({a, b, x, y}, ij, ik, jk, emit);
+    else if (faces_.is_corner(a, b, y, x))
+      complete({a, b, y, x}, ik, ij, jk, emit);
+  }
 
   template <class Emit>
   void complete(const std::array<index_t, 4>& corner, const Face& bd, const Face& be, const Face& de, Emit& emit) {

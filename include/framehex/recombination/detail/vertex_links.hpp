@@ -63,6 +63,11 @@ public:
     return std::binary_search(links.begin(), links.end(), j);
   }
 
+  /// Number of positions linked to i: the facets at the edge from v to its neighbour at i.
+  std::size_t degree(index_t v, index_t i) const {
+    return is_heavy(v) ? heavy_row(v, i).size() : static_cast<std::size_t>(std::popcount(bits_[row(v, i)]));
+  }
+
   /// Calls f(j) for the positions j linked to i.
   template <class F>
   void for_each_link(index_t v, index_t i, F&& f) const {
