@@ -39,6 +39,7 @@ void add_output(CLI::App& command, Options& options, const char* what) {
 void add_run(CLI::App& command, Options& options) {
   command
       .add_option("--threads", options.threads, "Threads; 0: as many as the machine has. Results do not depend on it")
+      ->check(in_range(0, 1024, "a number of threads from 0 to 1024"))
       ->type_name("N");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
@@ -74,7 +75,10 @@ void add_recombination(CLI::App& command, Options& options) {
   command.add_option("--interfaces", options.interfaces, "What becomes of quadrilaterals that face two triangles")
       ->check(CLI::IsMember({"conforming", "no-pyramids", "open"}))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Of all random choices")->type_name("N")->capture_default_str();
+  command.add_option("--seed", options.seed, "Of all random choices")
+      ->check(in_range(0, 1e15, "a number from 0 to 1e15"))
+      ->type_name("N")
+      ->capture_default_str();
 }
 
 }  // namespace
