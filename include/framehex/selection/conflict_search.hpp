@@ -140,8 +140,8 @@ std::pair<std::vector<offset_t>, std::vector<std::vector<index_t>>> find_conflic
     for (std::size_t i = 0; i < n; ++i)
       for (const index_t tet : candidates.tets[i]) put(tet, static_cast<index_t>(i));
   });
-  constexpr std::size_t block_size = 2048;
-  const std::size_t n_blocks = (n + block_size - 1) / block_size;
+  constexpr std::size_t candidates_per_block = 2048;
+  const std::size_t n_blocks = (n + candidates_per_block - 1) / candidates_per_block;
   std::vector<std::vector<index_t>> block_values(n_blocks);
   std::vector<offset_t> lengths(n + 1, 0);
   std::vector<std::vector<index_t>> seen(executor.workers());
@@ -149,7 +149,7 @@ std::pair<std::vector<offset_t>, std::vector<std::vector<index_t>>> find_conflic
     auto& last_seen = seen[worker];
     last_seen.resize(n, no_index);
     std::vector<index_t> values;
-    for (std::size_t i = block * block_size; i < std::min(n, (block + 1) * block_size); ++i) {
+    for (std::size_t i = block * candidates_per_block; i < std::min(n, (block + 1) * candidates_per_block); ++i) {
       const std::size_t first = values.size();
       last_seen[i] = static_cast<index_t>(i);
       for_each_conflict(candidates, candidates_of_tet, index, i, [&](index_t j) {

@@ -48,7 +48,7 @@ public:
       IteratedSearch search(graph_, result.members, options_.seed);
       std::vector<index_t> places(graph_.size());
       std::iota(places.begin(), places.end(), index_t{0});
-      perturb(search, places, graph_.size());
+      perturb(search, places, graph_.size() / 4 + 1);
       weight = search.weight_in_units();
       if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
       result.members = search.members();

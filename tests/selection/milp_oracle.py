@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSL-1.0
+"""Compares the example `select_graph` with scipy's integer programming (HiGHS).
+
+    milp_oracle.py select_graph [graph.metis ...]
+
+Without graphs: on clustered random ones. Exits with 77 when scipy is not there.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+try:
+    import numpy as np
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import csr_matrix
+except ImportError:
+    sys.exit(77)
+
+
+def random_graph(path, n, radius, seed):
+    rng = np.random.default_rng(seed)
+    points = rng.random((n, 3))
+    weights = rng.integers(5000, 10000, n)
+    near = np.linalg.norm(points[:, None] - points[None], axis=2) < radius
+    np.fill_diagonal(near, False)
+    with open(path, "w") as out:
+        out.write(f"{n} {near.sum() // 2} 010\n")
+        for v in range(n):
+            out.write(" ".join(map(str, [weights[v], *(np.flatnonzero(near[v]) + 1)])) + "\n")
+
+
+def read_graph(path):
+    lines = [line.split() for line in open(path) if not line.startswith("%")]
+    n, has_weights = int(lines[0][0]), len(lines[0]) > 2
+    rows = [list(map(int, line)) for line in lines[1 : n + 1]]
+    weights = np.array([row[0] if has_weights else 1 for row in rows], float)
+    return weights, [[u - 1 for u in row[has_weights:]] for row in rows]
+
+
+def cliques(neighbours):
+    """One greedy clique for each conflict that no earlier one holds: far better rows than pairs."""
+    sets = [set(row) for row in neighbours]
+    covered = set()
+    for v, row in enumerate(neighbours):
+        for u in row:
+            if u < v or (v, u) in covered:
+                continue
+            clique, common = [v, u], sets[v] & sets[u]
+            while common:
+                clique.append(min(common))
+                common &= sets[clique[-1]]
+            covered |= {(a, b) for a in clique for b in clique if a < b}
+            yield clique
+
+
+def optimum(path):
+    weights, neighbours = read_graph(path)
+    rows = list(cliques(neighbours))
+    entries = [v for row in rows for v in row]
+    offsets = np.cumsum([0] + [len(row) for row in rows])
+    matrix = csr_matrix((np.ones(len(entries)), entries, offsets), shape=(len(rows), len(weights)))
+    result = milp(-weights, constraints=LinearConstraint(matrix, -np.inf, 1), bounds=Bounds(0, 1),
+                  integrality=np.ones(len(weights)), options={"mip_rel_gap": 0})
+    return round(-result.fun)
+
+
+def ours(program, path):
+    run = subprocess.run([program, path, "exact"], capture_output=True, text=True, check=True)
+    weight, status = re.search(r"weight (\d+), .* %, (\w+)", run.stderr).groups()
+    return int(weight), status
+
+
+def main(program, paths):
+    with tempfile.TemporaryDirectory() as folder:
+        if not paths:
+            for seed, (n, radius) in enumerate([(200, 0.2), (300, 0.2), (400, 0.18)]):
+                paths.append(os.path.join(folder, f"{seed}.metis"))
+                random_graph(paths[-1], n, radius, seed)
+        for path in paths:
+            expected, (weight, status) = optimum(path), ours(program, path)
+            print(f"{path}: milp {expected}, select {weight}, {status}")
+            if weight != expected or status != "optimal":
+                return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2:]))
