@@ -8,10 +8,13 @@
 namespace framehex::test {
 
 /// A lattice of cubes over [-1, 1]^3 bent into the unit ball (n cubes along a side).
-inline IndexedTetMesh ball_mesh(index_t n) {
+///
+/// @param fill  scales the lattice before it is bent. Of a whole one (1) the twelve edges become flat, and beyond n of
+///              about 20 their tetrahedra with them; 0.95 leaves a nearly round cushion that is sound for any n.
+inline IndexedTetMesh ball_mesh(index_t n, double fill = 1) {
   IndexedTetMesh mesh = kuhn_lattice(n, n, n, 2.0 / n);
   for (Vector3& p : mesh.points) {
-    p -= Vector3::Ones();
+    p = fill * (p - Vector3::Ones());
     const Vector3 s = p.cwiseProduct(p);
     for (int i = 0; i < 3; ++i) {
       const double u = s[(i + 1) % 3], v = s[(i + 2) % 3];
