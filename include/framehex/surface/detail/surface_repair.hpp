@@ -7,7 +7,6 @@
 
 #include <optional>
 #include <span>
-#include <unordered_map>
 
 namespace framehex::detail {
 
