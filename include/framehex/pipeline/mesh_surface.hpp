@@ -50,6 +50,7 @@ struct MeshingStatistics {
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
+  std::size_t n_repair_vertices = 0;     ///< vertices added where triangles of the wished size would have crossed
   std::size_t n_tets = 0;                ///< of the second mesh
 };
 
@@ -171,6 +172,11 @@ private:
     if (!going("retriangulation", 0)) return false;
     boundary_ = retriangulate(surface_, features_, samples_.samples);
     result_.statistics.n_unremoved_vertices = boundary_.n_unremoved;
+    result_.statistics.n_repair_vertices = boundary_.n_added;
+    if (boundary_.n_crossings > 0)
+      throw invalid_surface(
+          "the surface crosses itself, or comes so near to itself that triangles of the wished size do (" +
+          std::to_string(boundary_.n_crossings) + " pairs); use a smaller size");
     return true;
   }
 

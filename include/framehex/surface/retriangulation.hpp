@@ -8,7 +8,7 @@ namespace framehex {
 
 /// A surface whose vertices are chosen samples.
 struct Retriangulation {
-  IndexedTriangleMesh surface;  ///< vertices: the the samples in their order, then others
+  IndexedTriangleMesh surface;  ///< vertices: the samples in their order, then others
   FeatureGraph features;        ///< of `surface`; the corners, curves and patches of the input
   std::size_t n_unremoved = 0;  ///< input vertices that are no samples and had to stay
   std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface from crossing itself
