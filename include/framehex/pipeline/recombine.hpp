@@ -74,13 +74,12 @@ template <TetMesh M, Executor E = SerialExecutor>
 Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& executor = {}) {
   Recombination result;
   Stopwatch watch;
-  validate(mesh);
   const auto cancelled = [&] {
     result.status = Status::cancelled;
     result.mesh = {};
     return std::move(result);
   };
-  const TetAdjacency adjacency = make_adjacency(mesh);
+  const TetAdjacency adjacency = validated_adjacency(mesh);
   const auto patches = detail::label_facets(adjacency, options.faces);
   const auto feature_edges = detail::vertex_pairs(options.edges);
   options.finder.regions = options.assembly.regions = options.regions;
@@ -93,7 +92,7 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   options.finder.observer = options.selection.observer = options.assembly.observer = options.observer;
 
   const PotentialHexahedra candidates = find_potential_hexahedra(mesh, options.finder, executor);
-  if (!keep_going(options.observer, "conflicts", 0)) return cancelled();
+  if (candidates.status == Status::cancelled || !keep_going(options.observer, "conflicts", 0)) return cancelled();
   const IncompatibilityGraph graph =
       build_incompatibility_graph(candidates, volume_times_quality(candidates), executor);
   result.graph = statistics(graph);
