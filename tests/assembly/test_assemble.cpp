@@ -58,7 +58,7 @@ void check_mesh(const MixedMesh& mesh, double volume) {
 
 TEST_CASE("an empty selection leaves the tetrahedra", "[assembly]") {
   const Lattice lattice = jittered_lattice(2, 0.1, 1);
-  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, {});
+  const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, {}, {.prisms = PrismMode::none});
   CHECK(count_kinds(result.mesh) == std::array<std::size_t, 4>{48, 0, 0, 0});
   CHECK(result.mesh.faces.size() == 48);
   check_mesh(result.mesh, 8);
@@ -81,9 +81,10 @@ TEST_CASE("random cubes of a lattice are closed", "[assembly]") {
       const Lattice lattice = jittered_lattice(5, jitter, 3);
       const auto selected = random_subset(125, share, 4);
       CAPTURE(jitter, share);
-      const Assembly open =
-          assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.interfaces = InterfaceMode::open});
-      const Assembly closed = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected);
+      const Assembly open = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected,
+                                     {.interfaces = InterfaceMode::open, .prisms = PrismMode::none});
+      const Assembly closed =
+          assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.prisms = PrismMode::none});
       CHECK(open.statistics.n_open_quadrilaterals == closed.statistics.n_open_quadrilaterals);
       CHECK(open.open.size() + open.statistics.n_merged == open.statistics.n_open_quadrilaterals);
       const auto report = verify::is_conforming(open.mesh);
@@ -95,6 +96,29 @@ TEST_CASE("random cubes of a lattice are closed", "[assembly]") {
       check_mesh(closed.mesh, 125);
       CHECK(count_kinds(closed.mesh)[3] == selected.size());
     }
+}
+
+TEST_CASE("random cubes of a lattice are closed without pyramids", "[assembly]") {
+  for (const double share : {0.5, 0.97}) {
+    const Lattice lattice = jittered_lattice(6, 0.15, 10);
+    const auto selected = random_subset(216, share, 11);
+    CAPTURE(share);
+    const Assembly closed =
+        assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.interfaces = InterfaceMode::no_pyramids});
+    check_mesh(closed.mesh, 216);
+    CHECK(count_kinds(closed.mesh)[1] == 0);
+  }
+}
+
+TEST_CASE("one tetrahedral cube leaves rows of prisms in a mesh without pyramids", "[assembly]") {
+  const Lattice lattice = jittered_lattice(5, 0.0, 12);
+  auto selected = random_subset(125, 2, 0);
+  selected.erase(selected.begin() + 62);  // the middle
+  const Assembly closed =
+      assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, {.interfaces = InterfaceMode::no_pyramids});
+  check_mesh(closed.mesh, 125);
+  // Three rows of five cross in the middle; the four others of each are cut in two.
+  CHECK(count_kinds(closed.mesh) == std::array<std::size_t, 4>{6, 0, 24, 112});
 }
 
 TEST_CASE("a selection that does not fit is refused with its candidates", "[assembly]") {

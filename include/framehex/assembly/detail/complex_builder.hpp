@@ -18,10 +18,15 @@ public:
         owner_(adjacency.tets.size(), no_index),
         sliver_of_(adjacency.tets.size(), no_index) {
     for (const Vector3& p : points) complex.add_vertex(p, false);
-    for (std::size_t tet = 0; tet < adjacency.tets.size(); ++tet)
-      for (int f = 0; f < 4; ++f)
-        if (adjacency.neighbours[tet][static_cast<std::size_t>(f)] == no_index)
-          for (const index_t v : facet(adjacency.tets[tet], f)) complex.on_boundary[v] = complex.is_protected[v] = 1;
+    for (index_t tet = 0; tet < adjacency.tets.size(); ++tet)
+      for (int f = 0; f < 4; ++f) {
+        const index_t other = adjacency.neighbours[tet][static_cast<std::size_t>(f)];
+        if (other != no_index && region(other) == region(tet)) continue;
+        for (const index_t v : facet(adjacency.tets[tet], f)) {
+          complex.is_protected[v] = 1;
+          if (other == no_index) complex.on_boundary[v] = 1;
+        }
+      }
     protect_labels();
   }
 
@@ -101,6 +106,7 @@ private:
     for (const LabelledFace& face : options_.faces) {
       const FaceKey key = face_key(face.vertices);
       face_label_[key] = face.label;
+      for (std::size_t i = 0; i < face.size(); ++i) complex.is_protected[face.vertices[i]] = 1;
       if (face.vertices[3] == no_index && !is_boundary_facet(key)) complex.protected_faces.insert(key);
     }
     for (const LabelledEdge& edge : options_.edges) {

@@ -43,7 +43,9 @@ struct Originals {
 };
 
 /// Takes a hexahedron or prism back into its tetrahedra; its quadrilateral neighbours become open.
-/// @return false, with nothing changed, when a vertex has moved so that one of the tetrahedra is no longer valid.
+/// @return false, with nothing changed, when a vertex has moved so that one of the tetrahedra is no longer valid, or
+/// when
+///         a face is open with another diagonal than the tetrahedra have.
 inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals& originals, index_t id) {
   const CellComplex::Cell cell = complex.cells[id];
   if (cell.source == no_index) return false;
@@ -68,6 +70,8 @@ inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals
     // A sliver between the cell and tetrahedra or the boundary was absorbed, and has to come back.
     if (side.neighbour == no_index && (open == no_index || complex.open_quads[open].diagonal != side.diagonal))
       side.sliver = originals.face_sliver(tets, quad);
+    // Without a sliver two different diagonals cannot be reconciled by the tetrahedra of the cell.
+    if (side.sliver == no_index && open != no_index && complex.open_quads[open].diagonal != side.diagonal) return false;
     if (side.sliver != no_index && !valid(originals.adjacency.tets[side.sliver])) return false;
   }
   for (const index_t tet : tets)
