@@ -49,7 +49,8 @@ public:
       std::vector<index_t> places(graph_.size());
       std::iota(places.begin(), places.end(), index_t{0});
       perturb(search, places, graph_.size() / 4 + 1);
-      weight = search.weight_in_units();
+      // Where lattices do not meet, greedy is hard to beat.
+      if (!deadline_.passed()) search.offer(select_greedily(graph_));
       if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
       result.members = search.members();
       weight = search.weight_in_units();
@@ -159,10 +160,16 @@ Selection select(const IncompatibilityGraph& graph, const SelectOptions& options
   // Searched under numbers of its own, so that the caller's do not matter.
   const std::vector<index_t> order = detail::canonical_order(graph);
   const IncompatibilityGraph renumbered = detail::renumber(graph, order);
-  selection = detail::Selector<E>(renumbered, options, executor, deadline).run();
-  for (index_t& v : selection.members) v = order[v];
-  std::sort(selection.members.begin(), selection.members.end());
-  return selection;
+  Selection searched = detail::Selector<E>(renumbered, options, executor, deadline).run();
+  for (index_t& v : searched.members) v = order[v];
+  std::sort(searched.members.begin(), searched.members.end());
+  // A budget that ends the search early may leave it behind what greedy has.
+  if (searched.weight < selection.weight) {
+    searched.members = std::move(selection.members);
+    searched.weight = selection.weight;
+    if (searched.weight == searched.bound) searched.status = SelectionStatus::optimal;
+  }
+  return searched;
 }
 
 }  // namespace framehex

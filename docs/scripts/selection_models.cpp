@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSL-1.0
+// Makes the table of the six models in docs/selection.md: what `best` gains over the paper's greedy selection.
+//   g++ -std=c++20 -O2 -Iinclude -Itests -isystem /usr/include/eigen3 docs/scripts/selection_models.cpp -o models
+//   ./models dome.stl 0.156 [more surfaces and sizes ...]
+#include "framehex/adapters/tetgen_process.hpp"
+#include "framehex/mesh/boundary.hpp"
+#include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/selection/conflict_search.hpp"
+#include "framehex/selection/select.hpp"
+#include "support/stl.hpp"
+
+#include <ctime>
+#include <iostream>
+
+using namespace framehex;
+
+namespace {
+
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct Done {};
+
+/// Lets the pipeline run up to its second tetrahedral mesh, and keeps that.
+struct KeepSecondMesh {
+  TetgenProcess inner;
+  IndexedTetMesh* mesh;
+  int* n_calls;
+
+  auto operator()(const TetrahedralizationRequest& request) const {
+    auto result = inner(request);
+    if (++*n_calls == 2) {
+      mesh->points.assign(request.points.begin(), request.points.end());
+      mesh->points.insert(mesh->points.end(), result.extra_points.begin(), result.extra_points.end());
+      mesh->tets.assign(result.tets.begin(), result.tets.end());
+      throw Done{};
+    }
+    return result;
+  }
+};
+
+double volume(const PotentialHexahedra& hexahedra, const Selection& selection) {
+  double sum = 0;
+  for (const index_t v : selection.members) sum += hexahedra.volume[v];
+  return sum;
+}
+
+void run(const std::string& path, double size) {
+  IndexedTetMesh mesh;
+  int n_calls = 0;
+  try {
+    mesh_surface(
+        test::read_stl(path), [size](const Vector3&) { return size; }, KeepSecondMesh{{}, &mesh, &n_calls});
+  } catch (const Done&) {
+  }
+  double start = cpu_seconds();
+  const PotentialHexahedra hexahedra = find_potential_hexahedra(mesh);
+  const double search = cpu_seconds() - start;
+  const IncompatibilityGraph graph = build_incompatibility_graph(hexahedra);
+  const Selection greedy = select(graph, {.method = SelectMethod::greedy});
+  start = cpu_seconds();
+  const Selection best = select(graph);
+  const double seconds = cpu_seconds() - start;
+  const GraphStatistics s = statistics(graph);
+  std::cout << path << " | " << mesh.tets.size() << " | " << s.n_candidates << " | " << s.mean_degree << " | "
+            << greedy.members.size() << " | " << best.members.size() << " | "
+            << 100 * (volume(hexahedra, best) / volume(hexahedra, greedy) - 1) << " % | "
+            << 100 * (best.weight / greedy.weight - 1) << " % | " << 100 * best.gap() << " % | "
+            << (best.status == SelectionStatus::optimal ? "optimal" : "") << " | " << search << " | " << seconds
+            << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::cout
+      << "model | tets | candidates | degree | greedy | best | volume | weight | gap | status | search s | select s"
+      << std::endl;
+  for (int i = 1; i + 1 < argc; i += 2) run(argv[i], std::stod(argv[i + 1]));
+}
