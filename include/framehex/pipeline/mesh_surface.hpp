@@ -145,6 +145,9 @@ private:
     field_.emplace(
         compute_frame_field(background_, surface_, features_, cross_field_.frames, options_.field, executor_, &report));
     if (report.status == Status::cancelled) return false;
+    // Surface points that follow the volume's idea of the cross meet the volume's points in step.
+    if (options_.field.method == FieldMethod::best && options_.field.surface_cross == SurfaceCross::free)
+      cross_field_.frames = surface_crosses(*field_, surface_);
     const auto& smoothness = field_->smoothness();
     MeshingStatistics& s = result_.statistics;
     for (const double value : smoothness) {

@@ -270,14 +270,14 @@ inline ComplexBuilder::Refusal ComplexBuilder::add_side(const std::array<index_t
     for (int i = 0; i < 2; ++i) side.outer[static_cast<std::size_t>(i)] = beyond(sliver, side.outer_diagonal, i);
   }
   if (!face_label_.empty()) {
-    for (const int diagonal : {0, 1})
-      if (label(diagonal, 0) != label(diagonal, 1)) return {"one of its faces lies on two labelled patches"};
-    for (const int diagonal : {0, 1})
-      if (label(diagonal, 0) != no_index)
-        for (int i = 0; i < 2; ++i) {
-          const OpenQuad other{quad, 0, 1 - diagonal, false, false};
-          labels_.push_back({other.triangle(i), label(diagonal, 0)});
-        }
+    // Of the cut that the face shows; a labelled triangle of the other cut, if there is one, belongs to another cell.
+    const int shown = side.outer_diagonal;
+    if (label(shown, 0) != label(shown, 1)) return {"one of its faces lies on two labelled patches"};
+    if (label(shown, 0) != no_index)
+      for (int i = 0; i < 2; ++i) {
+        const OpenQuad other{quad, 0, 1 - shown, false, false};
+        labels_.push_back({other.triangle(i), label(shown, 0)});
+      }
   }
 
   const State first = state(side.outer[0]), second = state(side.outer[1]);
