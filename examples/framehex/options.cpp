@@ -63,10 +63,11 @@ void add_recombination(CLI::App& command, Options& options) {
   command.add_option("--select", options.select, "How hexahedra are selected")
       ->check(CLI::IsMember({"greedy", "best", "exact"}))
       ->capture_default_str();
-  command.add_option("--gap", options.gap_percent, "`best` ends when so little can be missing")
+  command
+      .add_option("--gap", options.gap_percent,
+                  "`best` ends when so little can be missing: 0.5, or sooner where that is much work")
       ->check(in_range(0, 100, "a percentage"))
-      ->type_name("PERCENT")
-      ->capture_default_str();
+      ->type_name("PERCENT");
   command
       .add_option("--budget", options.budget_seconds,
                   "Time for the selection; without it the result does not depend on the machine's speed")
@@ -156,7 +157,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
     json["select"] = options.select;
-    json["gap"] = options.gap_percent;
+    json["gap"] = options.gap_percent.value_or(0.5);
     if (options.budget_seconds) json["budget"] = *options.budget_seconds;
     json["interfaces"] = options.interfaces;
     json["seed"] = options.seed;

@@ -20,7 +20,7 @@ struct Options {
   std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
   double feature_degrees = 40;
   double floor = 0.2;
-  double gap_percent = 0.5;
+  std::optional<double> gap_percent;  ///< 0.5 unless asked for
   std::optional<double> budget_seconds;
   std::size_t threads = 0;  // 0: as many as the machine has
   std::uint64_t seed = 1;
