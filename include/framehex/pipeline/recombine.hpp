@@ -16,8 +16,8 @@ struct RecombineOptions {
   HexFinderOptions finder = {};  ///< its labels, adjacency and observer are set from those below
   SelectOptions selection = {.exact_below = 2000};
   /// Candidates times rounds of the selection's bound: a budget that follows the size of the job and repeats. Lowers
-  /// `selection.max_rounds`, to two at least; infinity leaves it alone.
-  double selection_work = 1e6;
+  /// `selection.max_rounds`; a large job gets no round, and only a rough bound. Infinity leaves it alone.
+  double selection_work = 2.5e5;
   AssemblyOptions assembly = {};             ///< its labels and observer are set from those below
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
@@ -101,7 +101,7 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   result.graph = statistics(graph);
   watch.lap(result.seconds.search);
 
-  const double rounds = std::max(2.0, options.selection_work / static_cast<double>(graph.size() + 1));
+  const double rounds = options.selection_work / static_cast<double>(graph.size() + 1);
   if (rounds < static_cast<double>(options.selection.max_rounds))
     options.selection.max_rounds = static_cast<std::size_t>(rounds);
   result.selection = select(graph, options.selection, executor);
