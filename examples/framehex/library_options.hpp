@@ -29,10 +29,8 @@ inline framehex::RecombineOptions recombine_options(const Options& options, cons
                                                    : framehex::SelectMethod::best;
   r.selection.gap = options.gap_percent.value_or(0.5) / 100;
   // Without a wish of the user's the work is bounded by a count, so that results repeat.
-  if (options.budget_seconds || options.gap_percent || options.select == "exact") {
+  if (options.budget_seconds || options.gap_percent || options.select == "exact")
     r.selection_work = std::numeric_limits<double>::infinity();
-    r.selection.exact_below = framehex::SelectOptions{}.exact_below;
-  }
   if (options.budget_seconds) r.selection.max_rounds = 1'000'000;
   if (options.budget_seconds) r.selection.seconds = *options.budget_seconds;
   r.selection.seed = options.seed;

@@ -432,7 +432,7 @@ class TestMeshBunny(Case):
     """A coarse bunny: the whole way, judged by another reader."""
 
     def test_mesh(self):
-        size = ["--size", "0.6"]
+        size = ["--size", "0.6", "--gap", "0.5"]
         result = self.run_program("mesh", BUNNY, "-o", self.path("out.vtu"), "--report", self.path("out.json"), *size)
         self.assertEqual(result.returncode, 0, result)
         self.assertEqual(result.stderr, "")
