@@ -48,6 +48,7 @@
 #include "framehex/insertion/cross_sampler.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/curve_sites.hpp"
+#include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_checks.hpp"
 #include "framehex/insertion/insertion_order.hpp"
 #include "framehex/insertion/lattice_links.hpp"

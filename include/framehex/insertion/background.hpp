@@ -8,10 +8,37 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
+#include <sstream>
 #include <vector>
 
 namespace framehex {
+
+/// Refuses an edge of the background mesh that would ask for more than `max_points`, before anything is made of it.
+///
+/// @param surface  n triangles, to be split to that edge; finite coordinates.
+/// @throws invalid_option  when `edge` is not positive and finite, or for too many points in the box of the surface or
+///                         triangles on it, with the number.
+/// @par Complexity   O(n).
+inline void check_background_edge(const IndexedTriangleMesh& surface, double edge, double max_points) {
+  if (!(edge > 0) || !std::isfinite(edge)) throw invalid_option("the background edge must be positive and finite");
+  Vector3 low = surface.points.front(), high = low;
+  for (const Vector3& p : surface.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  double area = 0;
+  for (const auto& t : surface.triangles)
+    area +=
+        0.5 * (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]).norm();
+  const Vector3 cubes = (high - low) / edge + Vector3::Ones();
+  // Two points a cube; equilateral triangles of that edge cover its square 2.3 times.
+  const double n = std::max(2 * cubes.prod(), 2.3 * area / (edge * edge));
+  if (n <= max_points) return;
+  std::ostringstream message;
+  message << "a background edge of " << edge << " asks for about " << n << " points, more than " << max_points
+          << "; use a larger size, give background_edge, or raise max_background_points if this is meant";
+  throw invalid_option(message.str());
+}
 
 /// Interior points of a background mesh: a body-centred cubic lattice cut by the surface.
 ///
@@ -22,21 +49,18 @@ namespace framehex {
 /// @param locator  of that surface.
 /// @param edge     side of the cubes, in the surface's unit, > 0.
 /// @return points inside, ascending by layer, none nearer than edge / 2 to the surface.
-/// @throws invalid_option  when `edge` is not positive and finite, or asks for more than `max_points` points.
+/// @throws invalid_option  as `check_background_edge`.
 /// @par Complexity   O(m log n) time for m lattice points in the bounding box, O(m) memory.
 template <Executor E = SerialExecutor>
 std::vector<Vector3> background_points(const IndexedTriangleMesh& surface, const SurfaceLocator& locator, double edge,
                                        const E& executor = {}, double max_points = 2e7) {
-  if (!(edge > 0) || !std::isfinite(edge)) throw invalid_option("the background edge must be positive and finite");
+  check_background_edge(surface, edge, max_points);
   Vector3 low = surface.points.front(), high = low;
   for (const Vector3& p : surface.points) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
   const Vector3 extent = (high - low) / edge;
-  if (2 * (extent.x() + 1) * (extent.y() + 1) * (extent.z() + 1) > max_points)
-    throw invalid_option("a background edge of " + std::to_string(edge) +
-                         " asks for too many points in the box of the surface");
 
   // Layers at half-cube heights; every second one is shifted by half a cube.
   const auto n_layers = static_cast<std::size_t>(2 * extent.z()) + 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/insertion/estimate.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/feature_graph.hpp"
 #include "framehex/surface/surface_sample.hpp"

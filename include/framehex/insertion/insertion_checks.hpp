@@ -29,15 +29,6 @@ double checked_size(const S& size, const Vector3& p) {
   throw invalid_field(message.str());
 }
 
-/// @throws invalid_option  when a stage is about to make more points than wanted, with the estimate in the message.
-inline void check_estimate(const char* stage, double estimate, std::size_t max_points) {
-  if (estimate <= static_cast<double>(max_points)) return;
-  std::ostringstream message;
-  message << "the sizes ask for about " << estimate << " points in the " << stage
-          << ", more than max_points = " << max_points << "; use a larger size, or raise max_points if this is meant";
-  throw invalid_option(message.str());
-}
-
 inline void check_factor(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
   std::ostringstream message;

@@ -4,7 +4,7 @@
 #include "framehex/insertion/cross_sampler.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/curve_sites.hpp"
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
 #include "framehex/insertion/lattice_links.hpp"
 #include "framehex/insertion/proximity.hpp"
@@ -135,17 +135,9 @@ private:
   }
 
   void estimate() {
-    for (const auto& t : surface_.triangles) {
-      const Vector3 &a = surface_.points[t[0]], &b = surface_.points[t[1]], &c = surface_.points[t[2]];
-      double density = 0;
-      for (const Vector3& p :
-           {Vector3((4 * a + b + c) / 6), Vector3((a + 4 * b + c) / 6), Vector3((a + b + 4 * c) / 6)}) {
-        const double h = detail::checked_size(size_, p);
-        density += 1 / (3 * h * h);
-        largest_size_ = std::max(largest_size_, h);
-      }
-      estimate_ += 0.5 * (b - a).cross(c - a).norm() * density;
-    }
+    const PointEstimate estimate = estimate_surface_points(surface_, size_);
+    estimate_ = estimate.n_points;
+    largest_size_ = estimate.largest_size;
     detail::check_estimate("surface", estimate_, options_.max_points);
   }
 

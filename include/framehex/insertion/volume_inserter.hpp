@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
 #include "framehex/insertion/lattice_links.hpp"
 #include "framehex/insertion/proximity.hpp"
@@ -195,15 +195,9 @@ private:
       high = high.cwiseMax(seed.point);
       largest_size_ = std::max(largest_size_, detail::checked_size(size_, seed.point));
     }
-    constexpr int n = 16;
-    const Vector3 cell = (high - low) / n;
-    for (int i = 0; i < n * n * n; ++i) {
-      const Vector3 p = low + cell.cwiseProduct(Vector3(i % n + 0.5, i / n % n + 0.5, i / (n * n) + 0.5));
-      if (domain_.clearance(p, cell.norm()) <= 0) continue;
-      const double h = detail::checked_size(size_, p);
-      estimate_ += cell.prod() / (h * h * h);
-      largest_size_ = std::max(largest_size_, h);
-    }
+    const PointEstimate inside = estimate_volume_points(low, high, domain_, size_);
+    estimate_ = inside.n_points;
+    largest_size_ = std::max(largest_size_, inside.largest_size);
     detail::check_estimate("volume", estimate_, options_.max_points);
   }
 

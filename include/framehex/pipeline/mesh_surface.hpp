@@ -5,6 +5,7 @@
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/insertion/background.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/tetrahedralizer.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
@@ -35,6 +36,7 @@ struct MeshingOptions {
   VolumeOptions volume = {};
   RecombineOptions recombination = {};
   std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
+  double max_background_points = 2e7;          ///< refuse an edge that asks for more
   Observer observer = {};                      ///< replaces those of the stages when set
 };
 
@@ -110,6 +112,7 @@ private:
   /// Features are those of the input; the rest works on triangles no longer than the background's.
   void prepare(const IndexedTriangleMesh& input) {
     validate_closed(input);
+    check_sizes(input);
     const FeatureGraph features = detect_features(input, make_adjacency(input), options_.features);
     const double edge = background_edge(input);
     RefinedSurface refined = refine(input, features, [edge](const Vector3&) { return edge; });
@@ -118,6 +121,20 @@ private:
     adjacency_ = make_adjacency(surface_);
     result_.statistics.n_feature_curves = features_.curves.size();
     result_.statistics.n_patches = features_.n_patches;
+  }
+
+  /// Sizes that ask for too much are refused before anything is made of them.
+  void check_sizes(const IndexedTriangleMesh& input) const {
+    check_estimate("surface", estimate_surface_points(input, size_).n_points, options_.surface.max_points);
+    Vector3 low = input.points.front(), high = low;
+    for (const Vector3& p : input.points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const SurfaceLocator locator(input);
+    const PointEstimate volume = estimate_volume_points(low, high, SurfaceDomain{locator}, size_);
+    check_estimate("volume", volume.n_points, options_.volume.max_points);
+    check_background_edge(input, background_edge(input), options_.max_background_points);
   }
 
   double background_edge(const IndexedTriangleMesh& input) const {
@@ -129,8 +146,8 @@ private:
 
   bool make_background() {
     if (!going("background mesh", 0)) return false;
-    const std::vector<Vector3> interior =
-        background_points(surface_, SurfaceLocator(surface_), background_edge(surface_), executor_);
+    const std::vector<Vector3> interior = background_points(
+        surface_, SurfaceLocator(surface_), background_edge(surface_), executor_, options_.max_background_points);
     Tetrahedralization background = tetrahedralize(tetrahedralizer_, surface_, interior, options_.observer);
     background_ = std::move(background.mesh);
     result_.statistics.n_background_tets = background_.tets.size();
