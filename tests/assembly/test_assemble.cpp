@@ -207,3 +207,33 @@ TEST_CASE("regions stay apart", "[assembly]") {
   // Quadrilaterals are bilinear patches now, so that jitter moves a little volume from region to region.
   for (const std::size_t region : {1u, 3u, 7u}) CHECK(volume[region] == Approx(expected[region]).epsilon(0.05));
 }
+
+TEST_CASE("assembly can be cancelled whenever it reports, and then leaves nothing", "[assembly]") {
+  const Lattice lattice = jittered_lattice(10, 0.2, 21);
+  const auto selected = random_subset(1000, 0.6, 22);
+  const auto mode = GENERATE(InterfaceMode::conforming, InterfaceMode::no_pyramids, InterfaceMode::open);
+  std::size_t n_calls = 0;
+  double fraction = 0;
+  AssemblyOptions options{.interfaces = mode};
+  const Assembly silent = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, options);
+  options.observer = [&](const Progress& progress) {
+    ++n_calls;
+    CHECK(progress.fraction >= fraction);
+    CHECK(progress.fraction <= 1);
+    fraction = progress.fraction;
+    return true;
+  };
+  const Assembly watched = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, options);
+  CHECK(watched.status == Status::complete);
+  CHECK(watched.mesh.points == silent.mesh.points);
+  CHECK(watched.mesh.cells.values == silent.mesh.cells.values);
+  REQUIRE(n_calls > 10);
+  for (std::size_t stop = 1; stop <= n_calls; stop += 1 + n_calls / 10) {
+    std::size_t n = 0;
+    options.observer = [&](const Progress&) { return ++n < stop; };
+    const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, options);
+    CHECK(n == stop);
+    CHECK(result.status == Status::cancelled);
+    CHECK(result.mesh.n_cells() == 0);
+  }
+}

@@ -100,6 +100,30 @@ TEST_CASE("boundary vertices slide on their side or edge of a cube and corners s
   CHECK(verify::volume(mesh).cells == Approx(8));
 }
 
+TEST_CASE("the only corner of a closed curve is fixed, as are vertices off the surface", "[assembly]") {
+  const IndexedTriangleMesh surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  FeatureGraph features;
+  features.n_patches = 1;
+  features.triangle_patch = {0, 0};
+  features.corners = {2};
+  for (const index_t v : {2u, 3u, 0u, 1u, 2u}) features.curves.values.push_back(v);
+  features.curves.end_row();
+  const std::vector<Vector3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}, {0.5, 0.5, 1e-3}};
+  const std::vector<LabelledEdge> edges{{{0, 1}, 7}, {{1, 2}, 7}, {{2, 3}, 7}, {{3, 0}, 7}};
+  const BoundarySlider slider(surface, features, points, edges, 1e-6);
+  const auto moves = [&](index_t v) {
+    Vector3 place(0.3, 0.4, 0.2);
+    return slider(v, place);
+  };
+  CHECK(moves(0));
+  CHECK(moves(1));
+  CHECK_FALSE(moves(2));
+  CHECK(moves(3));
+  CHECK(moves(4));
+  CHECK_FALSE(moves(5));
+  CHECK_FALSE(moves(6));
+}
+
 TEST_CASE("reconnection removes a flat tetrahedron and keeps the boundary", "[assembly]") {
   // Two tetrahedra pairs round a long, flat one: the square 0 1 2 3 almost in a plane, with apexes above and below.
   MixedMesh mesh;

@@ -17,6 +17,7 @@ struct Assembly {
   std::vector<index_t> candidate_of;  ///< cell -> hexahedral candidate, `no_index` for cells of other kinds
   std::vector<OpenInterface> open;    ///< quadrilaterals that face two triangles; empty unless in mode `open`
   AssemblyStatistics statistics;
+  Status status = Status::complete;  ///< cancelled: there is no mesh
 };
 
 namespace detail {
@@ -104,6 +105,7 @@ inline std::vector<OpenInterface> list_open(const CellComplex& complex, const Mi
 /// @return cells that fill the same domain, all valid by the exact test; in the two conforming modes no quadrilateral
 /// faces a
 ///         triangle. New vertices are inside only; vertices of the boundary stay, unless improvement may move them.
+///         When the observer stops it: nothing, and `status` says so.
 /// @throws incompatible_selection  with one candidate that does not fit the mesh, or two that do not fit together.
 /// @throws invalid_option          labels of the wrong size or out of range.
 /// @par Complexity   O(n) but for the search of places for new vertices, which is bounded per open quadrilateral.
@@ -116,6 +118,13 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
                   std::span<const index_t> selected, const AssemblyOptions& options = {}) {
   detail::check_labels(adjacency, options);
   PotentialPrisms prisms;
+  detail::Pulse pulse(options.observer, "assembly");
+  const auto cancelled = [] {
+    Assembly nothing;
+    nothing.status = Status::cancelled;
+    return nothing;
+  };
+  if (!pulse.report(0)) return cancelled();
   detail::ComplexBuilder builder(positions(mesh), adjacency, options);
   detail::add_selection(builder, candidates, selected);
   Assembly result;
@@ -123,11 +132,16 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
   detail::CellComplex& complex = builder.complex;
   for (index_t cell = 0; cell < complex.cells.size(); ++cell)
     statistics.hexahedron_volume_chosen += complex.volume(cell);
+  if (!pulse.report(0.05)) return cancelled();
   if (options.prisms == PrismMode::chosen) {
-    prisms = detail::find_free_prisms(mesh, adjacency, builder, options);
+    const Observer observer = [&](const Progress& p) { return pulse.report(0.05 + 0.05 * p.fraction); };
+    prisms = detail::find_free_prisms(builder, adjacency, options,
+                                      {.quality_floor = options.prism_quality_floor, .observer = observer});
+    if (prisms.status == Status::cancelled) return cancelled();
     detail::choose_prisms(builder, prisms, options.interfaces == InterfaceMode::open ? 3 : 1);
   }
   builder.finish();
+  if (!pulse.report(0.1)) return cancelled();
 
   const detail::Originals originals{adjacency, candidates, prisms};
   statistics.n_open_quadrilaterals = complex.open_quads.size();
@@ -136,12 +150,13 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
     projection = [&](index_t v, Vector3& place) {
       return v < adjacency.n_vertices() && options.boundary_projection(v, place);
     };
-  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, projection, statistics);
+  detail::Improver improver(complex, detail::QualityEnergy::reaching(options.hexahedron_target, options.quality_target),
+                            projection, statistics, pulse);
   const bool improve = options.improvement == ImprovementMode::improve;
   if (options.interfaces == InterfaceMode::no_pyramids) {
-    detail::PyramidFreeCloser(complex, originals, options.prism_quality_floor, statistics).close_all();
+    detail::PyramidFreeCloser(complex, originals, options.prism_quality_floor, statistics, pulse).close_all();
   } else {
-    detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics);
+    detail::InterfaceCloser closer(complex, originals, options.quality_floor, statistics, pulse);
     closer.merge_pairs(options.quality_floor);
     if (options.interfaces == InterfaceMode::conforming) {
       if (improve) improver.reconnect();
@@ -149,6 +164,7 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
     }
   }
   if (improve) improver.run(8, options.interfaces == InterfaceMode::conforming);
+  if (!pulse.report(1)) return cancelled();
   detail::add_up(complex, statistics);
 
   detail::MixedExport exported = detail::export_cells(complex);

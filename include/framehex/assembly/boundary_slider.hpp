@@ -5,6 +5,7 @@
 #include "framehex/surface/feature_graph.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -19,8 +20,9 @@ public:
   /// @param surface    geometry to stay on, n_triangles.
   /// @param features   of `surface`: its patches, curves and corners.
   /// @param points     vertices of the tetrahedral mesh where they start.
-  /// @param edges      feature edges of the tetrahedral mesh; a vertex on two or more labels, or where other than two
-  ///                   edges meet, is a corner.
+  /// @param edges      feature edges of the tetrahedral mesh; a vertex on two or more labels, where other than two
+  /// edges
+  ///                   meet, or at a corner of `features` is a corner.
   /// @param tolerance  how far a vertex may start from the surface, in the unit of the coordinates.
   /// @par Complexity   O(n log n); a call is O(log n) on a patch, O(length) on a curve.
   BoundarySlider(const IndexedTriangleMesh& surface, const FeatureGraph& features, std::span<const Vector3> points,
@@ -40,6 +42,7 @@ public:
       std::vector<Vector3>& curve = d.curves.emplace_back();
       for (const index_t v : features.curves[c]) curve.push_back(surface.points[v]);
     }
+    for (const index_t v : features.corners) d.corners.push_back(surface.points[v]);
     classify(SurfaceLocator(surface), features, points, edges);
   }
 
@@ -56,6 +59,7 @@ private:
   struct Data {
     std::vector<SurfaceLocator> patches;
     std::vector<std::vector<Vector3>> curves;
+    std::vector<Vector3> corners;
     std::vector<index_t> carrier;  ///< by vertex: patch or curve, `no_index`: fixed
     std::vector<std::uint8_t> on_curve;
     double tolerance = 0;
@@ -89,15 +93,22 @@ private:
       }
     for (index_t v = 0; v < points.size(); ++v) {
       if (is_corner[v] || (n_edges[v] != 0 && n_edges[v] != 2)) continue;
+      const auto at = whole.nearest_within(points[v], d.tolerance);
+      if (!at || is_at_corner(points[v])) continue;
       if (n_edges[v] == 2) {
         const index_t curve = nearest_curve(points[v]);
         d.carrier[v] = curve;
         d.on_curve[v] = 1;
       } else {
-        const SurfacePoint at = whole.nearest(points[v]);
-        if (at.distance <= d.tolerance) d.carrier[v] = features.triangle_patch[at.triangle];
+        d.carrier[v] = features.triangle_patch[at->triangle];
       }
     }
+  }
+
+  /// A curve that closes at its only corner has one label on both sides of it.
+  bool is_at_corner(const Vector3& p) const {
+    return std::ranges::any_of(
+        data_->corners, [&](const Vector3& c) { return (c - p).squaredNorm() <= data_->tolerance * data_->tolerance; });
   }
 
   index_t nearest_curve(const Vector3& p) const {

@@ -13,17 +13,19 @@ enum class Reconnection { none, allowed };
 struct OptimizationOptions {
   Reconnection reconnection = Reconnection::none;
   /// Scaled Jacobian below which a hexahedron, or another cell, is worked on, -1 to 1.
-  double hexahedron_target = 0.4;
-  double quality_target = 0.25;
+  double hexahedron_target = 0.34;
+  double quality_target = 0.21;
   int max_rounds = 8;
   /// As in `AssemblyOptions`, with vertices of the mixed mesh. Empty: no boundary vertex moves.
   std::function<bool(index_t vertex, Vector3& place)> boundary_projection{};
+  Observer observer{};
 };
 
 /// Least scaled Jacobian before and after, by CellKind; 2 for a kind that is not there.
 struct OptimizationResult {
   std::array<double, 4> before{2, 2, 2, 2}, after{2, 2, 2, 2};
-  std::size_t n_moved = 0;  ///< vertices
+  std::size_t n_moved = 0;           ///< vertices
+  Status status = Status::complete;  ///< cancelled: the mesh is as it was
 };
 
 namespace detail {
@@ -69,12 +71,18 @@ inline OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& o
   OptimizationResult result;
   result.before = detail::least_quality(complex);
   AssemblyStatistics statistics;
-  detail::Improver improver(complex, {options.hexahedron_target, options.quality_target}, options.boundary_projection,
-                            statistics);
+  detail::Pulse pulse(options.observer, "optimization");
+  detail::Improver improver(complex, detail::QualityEnergy::reaching(options.hexahedron_target, options.quality_target),
+                            options.boundary_projection, statistics, pulse);
   if (options.reconnection == Reconnection::allowed)
     improver.run(options.max_rounds, false);
   else
     improver.smooth(5 * options.max_rounds, true);
+  if (pulse.stopped()) {
+    result.status = Status::cancelled;
+    result.after = result.before;
+    return result;
+  }
   result.after = detail::least_quality(complex);
   for (std::size_t v = 0; v < mesh.points.size(); ++v)
     if (complex.points[v] != mesh.points[v]) ++result.n_moved;

@@ -32,9 +32,9 @@ struct AssemblyOptions {
   /// Least scaled Jacobian that a closed interface may leave, -1 to 1, before a hexahedron is given up for it.
   double quality_floor = 0.05;
   /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, -1 to 1.
-  double quality_target = 0.25;
+  double quality_target = 0.21;
   /// Scaled Jacobian below which improvement works on a hexahedron, -1 to 1.
-  double hexahedron_target = 0.4;
+  double hexahedron_target = 0.34;
   /// Label of each tetrahedron, n_tets entries, or empty for one region.
   std::span<const index_t> regions{};
   /// Labelled triangles of the tetrahedral mesh, on its boundary or inside, in its vertex numbers. Inner ones stay

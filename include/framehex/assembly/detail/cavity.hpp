@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/detail/cell_complex.hpp"
+#include "framehex/assembly/detail/quality_energy.hpp"
 
 #include <limits>
 
@@ -46,7 +46,10 @@ public:
   /// Gathers the faces of a set of cells. Two triangles of an open interface that both lie on the cavity become the
   /// quadrilateral that they face; an open quadrilateral of a cell inside becomes its two triangles.
   /// @return false unless the cells form a ball in one region without anything protected inside.
-  bool build(Cavity& cavity) {
+  bool build(Cavity& cavity) { return gather(cavity) && is_fillable(cavity); }
+
+  /// The first, quick half of `build`: faces and vertices. @return false if the cells are of several regions.
+  bool gather(Cavity& cavity) {
     cavity.faces.clear();
     cavity.closed_quads.clear();
     cavity.region = complex_.cells[cavity.cells.front()].region;
@@ -71,27 +74,44 @@ public:
     }
     for (const index_t cell : cavity.cells)
       if (complex_.cells[cell].region != cavity.region) return false;
-    return is_ball(cavity) && nothing_protected_inside(cavity);
+    cavity.vertices.clear();
+    for (const auto& face : cavity.faces)
+      for (std::size_t i = 0; i < 4 && face[i] != no_index; ++i)
+        if (std::find(cavity.vertices.begin(), cavity.vertices.end(), face[i]) == cavity.vertices.end())
+          cavity.vertices.push_back(face[i]);
+    std::sort(cavity.vertices.begin(), cavity.vertices.end());
+    return true;
   }
+
+  /// The second half of `build`. @pre `gather` of this very cavity was the last.
+  bool is_fillable(const Cavity& cavity) { return is_ball(cavity) && nothing_protected_inside(cavity); }
 
   /// Least quality of the cells from a point to all faces of the cavity but those that contain vertex `apex`
   /// (`no_index`: a new vertex). Stops early below `threshold`.
   double evaluate(const Cavity& cavity, const Vector3& point, index_t apex, double threshold = -2.0) const {
     double worst = std::numeric_limits<double>::infinity();
-    std::array<Vector3, 5> p;
-    for (const auto& face : cavity.faces) {
-      const bool quad = face[3] != no_index;
+    const std::size_t n = cavity.faces.size();
+    // The face that ended the last search comes first: it is likely to end this one.
+    if (limiting_ >= n) limiting_ = 0;
+    for (std::size_t i = 0, f = limiting_; i < n; ++i, f = f + 1 == n ? 0 : f + 1) {
+      const auto& face = cavity.faces[f];
       if (apex != no_index && std::find(face.begin(), face.end(), apex) != face.end()) {
-        if (quad) return -1.0;  // the pyramid would be flat
+        if (face[3] != no_index) return -1.0;  // the pyramid would be flat
         continue;
       }
-      const StarCell cell = star_cell(face, no_index);
-      const std::size_t n = quad ? 5 : 4;
-      for (std::size_t i = 0; i < n; ++i) p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
-      worst = std::min(worst, scaled_jacobian(cell.kind, {p.data(), n}));
-      if (worst <= threshold) return worst;
+      worst = std::min(worst, quality_from(face, point));
+      if (worst > threshold) continue;
+      limiting_ = f;
+      return worst;
     }
     return worst;
+  }
+
+  /// Scaled Jacobian of the cell that joins a face to a point.
+  double quality_from(const std::array<index_t, 4>& face, const Vector3& point) const {
+    const auto& p = complex_.points;
+    if (face[3] == no_index) return tetrahedron_quality(point, p[face[0]], p[face[1]], p[face[2]]);
+    return pyramid_quality({p[face[0]], p[face[3]], p[face[2]], p[face[1]]}, point);
   }
 
   /// The vertex of the cavity from which the least quality is best; `no_index` when none beats `best`, which is raised.
@@ -192,18 +212,12 @@ private:
   }
 
   /// Closed, oriented, every edge between two faces, and of Euler characteristic 2.
-  bool is_ball(Cavity& cavity) {
+  bool is_ball(const Cavity& cavity) {
     edges_.clear();
-    cavity.vertices.clear();
     for (const auto& face : cavity.faces) {
       const std::size_t n = face[3] == no_index ? 3 : 4;
-      for (std::size_t i = 0; i < n; ++i) {
-        edges_.push_back(edge(face[i], face[i + 1 == n ? 0 : i + 1]));
-        cavity.vertices.push_back(face[i]);
-      }
+      for (std::size_t i = 0; i < n; ++i) edges_.push_back(edge(face[i], face[i + 1 == n ? 0 : i + 1]));
     }
-    std::sort(cavity.vertices.begin(), cavity.vertices.end());
-    cavity.vertices.erase(std::unique(cavity.vertices.begin(), cavity.vertices.end()), cavity.vertices.end());
     if (cavity.vertices.size() + cavity.faces.size() != edges_.size() / 2 + 2) return false;
     std::sort(edges_.begin(), edges_.end());
     for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
@@ -234,6 +248,7 @@ private:
   }
 
   CellComplex& complex_;
+  mutable std::size_t limiting_ = 0;
   std::vector<Face> scratch_;
   std::vector<Edge> edges_;
 };

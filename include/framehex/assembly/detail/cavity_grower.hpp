@@ -36,7 +36,7 @@ public:
     for (bool grown = true; grown;) {
       grown = false;
       for (const auto& face : cavity.faces) {
-        if (face_quality(face, point) >= least_quality) continue;
+        if (filler_.quality_from(face, point) >= least_quality) continue;
         const index_t beyond = cell_beyond(face, cavity);
         if (beyond == no_index) return false;
         if (!cavity.contains(beyond)) cavity.cells.push_back(beyond);
@@ -48,19 +48,11 @@ public:
   }
 
 private:
-  double face_quality(const std::array<index_t, 4>& face, const Vector3& point) const {
-    std::array<Vector3, 5> p;
-    const StarCell cell = star_cell(face, no_index);
-    const auto n = static_cast<std::size_t>(n_corners(cell.kind));
-    for (std::size_t i = 0; i < n; ++i) p[i] = cell.corners[i] == no_index ? point : complex_.points[cell.corners[i]];
-    return scaled_jacobian(cell.kind, {p.data(), n});
-  }
-
   std::array<index_t, 4> worst_face(const Cavity& cavity, const Vector3& point) const {
     double worst = std::numeric_limits<double>::infinity();
     std::array<index_t, 4> found = cavity.faces.front();
     for (const auto& face : cavity.faces) {
-      const double q = face_quality(face, point);
+      const double q = filler_.quality_from(face, point);
       if (q >= worst) continue;
       worst = q;
       found = face;

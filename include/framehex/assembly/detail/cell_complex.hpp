@@ -14,9 +14,10 @@ namespace framehex::detail {
 /// The vertices of a face in ascending order; a triangle's last is `no_index`. Equal keys: the same face.
 using FaceKey = std::array<index_t, 4>;
 
-inline FaceKey face_key(std::array<index_t, 4> vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  return vertices;
+inline FaceKey face_key(const std::array<index_t, 4>& v) {
+  const index_t a = std::min(v[0], v[1]), b = std::max(v[0], v[1]), c = std::min(v[2], v[3]), d = std::max(v[2], v[3]);
+  const index_t low = std::min(b, d), high = std::max(a, c);
+  return {std::min(a, c), std::min(low, high), std::max(low, high), std::max(b, d)};
 }
 
 struct FaceKeyHash {
@@ -79,6 +80,7 @@ public:
   index_t add_vertex(const Vector3& point, bool boundary) {
     points.push_back(point);
     head_.push_back(no_index);
+    changed_.push_back(0);
     on_boundary.push_back(boundary ? 1 : 0);
     is_protected.push_back(boundary ? 1 : 0);
     return static_cast<index_t>(points.size() - 1);
@@ -88,6 +90,7 @@ public:
   void remove_last_vertex() {
     points.pop_back();
     head_.pop_back();
+    changed_.pop_back();
     on_boundary.pop_back();
     is_protected.pop_back();
   }
@@ -106,6 +109,7 @@ public:
       const auto slot = static_cast<index_t>(8 * id + i);
       next_[slot] = head_[corners[i]];
       head_[corners[i]] = slot;
+      changed_[corners[i]] = now_;
     }
     return id;
   }
@@ -119,6 +123,27 @@ public:
       while (*link != slot) link = &next_[*link];
       *link = next_[slot];
     }
+  }
+
+  /// Moves a vertex.
+  void move(index_t vertex, const Vector3& place) {
+    points[vertex] = place;
+    for_each_cell_at(vertex, [&](index_t cell) {
+      for (const index_t v : corners(cell)) changed_[v] = now_;
+    });
+  }
+
+  // What was tried in vain is worth trying again only when something has changed there: times tell.
+
+  using Time = std::uint32_t;
+  /// A time later than any change so far.
+  Time tick() { return ++now_; }
+  /// Whether cells at a vertex came new, or a vertex of one of them moved, since `tick` returned a time.
+  bool changed_since(index_t vertex, Time time) const { return changed_[vertex] >= time; }
+  bool cell_changed_since(index_t cell, Time time) const {
+    for (const index_t v : corners(cell))
+      if (changed_since(v, time)) return true;
+    return false;
   }
 
   /// Calls `visit(cell)` for each living cell at a vertex, newest first.
@@ -226,6 +251,8 @@ public:
 private:
   std::vector<index_t> head_;  ///< by vertex: a corner slot (8 cell + corner), the first of its list
   std::vector<index_t> next_;  ///< by corner slot
+  std::vector<Time> changed_;  ///< by vertex
+  Time now_ = 0;
   std::unordered_map<FaceKey, index_t, FaceKeyHash> open_faces_;
 };
 

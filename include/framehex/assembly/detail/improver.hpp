@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/detail/reconnector.hpp"
 #include "framehex/assembly/detail/stubborn_cells.hpp"
 #include "framehex/assembly/detail/vertex_smoother.hpp"
@@ -11,19 +12,22 @@ namespace framehex::detail {
 class Improver {
 public:
   Improver(CellComplex& complex, const QualityEnergy& energy, const VertexSmoother::Projection& projection,
-           AssemblyStatistics& statistics)
+           AssemblyStatistics& statistics, Pulse& pulse)
       : complex_(complex),
         energy_(energy),
         smoother_(complex, energy, projection),
         reconnector_(complex, energy),
-        stubborn_(complex, energy, statistics) {}
+        stubborn_(complex, energy, statistics),
+        pulse_(pulse) {}
 
   /// First without the vertices of hexahedra, whose volume and quality are worth keeping, then with them.
   /// @param may_split  whether a hexahedron or prism may be split to free a bad cell next to it; that makes pyramids.
   void run(int max_rounds, bool may_split) {
+    const double first = pulse_.fraction();
     for (const bool hexahedra_too : {false, true}) {
       double before = collect();
       for (int round = 0; round < max_rounds && !bad_.empty(); ++round) {
+        fraction_ = first + (1 - first) * ((hexahedra_too ? 0.4 : 0) + 0.4 * round / max_rounds);
         smooth(2, hexahedra_too);
         reconnect();
         const double after = collect();
@@ -31,6 +35,7 @@ public:
         before = after;
       }
     }
+    fraction_ = first + (1 - first) * 0.8;
     smooth(5, true);
     for (const double quality : {0.6, 0.4}) {
       if (!replace_stubborn(quality, false)) continue;
@@ -50,14 +55,14 @@ public:
     const std::vector<Bad> bad = bad_;
     std::size_t n_replaced = 0;
     for (const Bad& b : bad) {
-      if (b.worst >= quality) break;
+      if (b.worst >= quality || !pulse_.beat(fraction_)) break;
       if (!complex_.cells[b.cell].alive) continue;
       if (stubborn_.insert_vertex(b.cell) || (hexahedra_too && stubborn_.split_neighbour(b.cell))) ++n_replaced;
     }
     return n_replaced > 0;
   }
 
-  /// Finds the cells with energy, worst first. @return their energy.
+  /// Finds the cells clearly below their target, worst first. @return the energy of all.
   double collect() {
     bad_.clear();
     double total = 0;
@@ -65,7 +70,7 @@ public:
       if (!complex_.cells[cell].alive) continue;
       double worst = std::numeric_limits<double>::infinity();
       const double energy = energy_.of(complex_, cell, worst);
-      if (energy > 0) bad_.push_back({worst, cell});
+      if (worst < QualityEnergy::good_enough) bad_.push_back({worst, cell});
       total += energy;
     }
     std::sort(bad_.begin(), bad_.end(),
@@ -81,10 +86,15 @@ public:
         if (hexahedra_too || !in_hexahedron(v)) vertices.push_back(v);
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    smoothed_.resize(complex_.n_vertices(), 0);
     for (int sweep = 0; sweep < max_sweeps; ++sweep) {
       std::size_t n_moved = 0;
-      for (const index_t v : vertices)
+      for (const index_t v : vertices) {
+        if (!complex_.changed_since(v, smoothed_[v])) continue;
+        if (!pulse_.beat(fraction_)) return;
+        smoothed_[v] = complex_.tick();
         if (smoother_.smooth(v)) ++n_moved;
+      }
       if (n_moved == 0) break;
     }
   }
@@ -92,8 +102,14 @@ public:
   void reconnect() {
     collect();
     const std::vector<Bad> bad = bad_;
-    for (const Bad& b : bad)
-      if (complex_.cells[b.cell].alive) reconnector_.improve(b.cell);
+    for (const Bad& b : bad) {
+      if (!complex_.cells[b.cell].alive) continue;
+      reconnected_.resize(complex_.cells.size(), 0);
+      if (!complex_.cell_changed_since(b.cell, reconnected_[b.cell])) continue;
+      if (!pulse_.beat(fraction_)) return;
+      reconnected_[b.cell] = complex_.tick();
+      reconnector_.improve(b.cell);
+    }
   }
 
   struct Bad {
@@ -117,7 +133,11 @@ private:
   VertexSmoother smoother_;
   Reconnector reconnector_;
   StubbornCells stubborn_;
+  Pulse& pulse_;
+  double fraction_ = 0;
   std::vector<Bad> bad_;
+  std::vector<CellComplex::Time> smoothed_;     ///< by vertex: when it was tried last
+  std::vector<CellComplex::Time> reconnected_;  ///< by cell
 };
 
 }  // namespace framehex::detail

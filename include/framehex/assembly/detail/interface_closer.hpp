@@ -3,6 +3,7 @@
 
 #include "framehex/assembly/detail/cavity_grower.hpp"
 #include "framehex/assembly/detail/originals.hpp"
+#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/options.hpp"
 
 namespace framehex::detail {
@@ -11,13 +12,14 @@ namespace framehex::detail {
 class InterfaceCloser {
 public:
   InterfaceCloser(CellComplex& complex, const Originals& originals, double quality_floor,
-                  AssemblyStatistics& statistics)
+                  AssemblyStatistics& statistics, Pulse& pulse)
       : complex_(complex),
         filler_(complex),
         grower_(complex, filler_),
         originals_(originals),
         floor_(quality_floor),
-        statistics_(statistics) {}
+        statistics_(statistics),
+        pulse_(pulse) {}
 
   /// Merges pairs of tetrahedra with a common apex on an open quadrilateral, the best pyramids first.
   void merge_pairs(double least_quality) {
@@ -54,8 +56,17 @@ private:
   /// Quadrilaterals opened on the way are visited too.
   template <class Visit>
   void for_each_open(Visit&& visit) {
-    for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad)
-      if (complex_.open_quads[quad].open) visit(quad);
+    const double first = pulse_.fraction(), share = 0.05;
+    for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad) {
+      if (!complex_.open_quads[quad].open) continue;
+      if (!pulse_.beat(first + share * quad / static_cast<double>(complex_.open_quads.size()))) return;
+      visit(quad);
+    }
+  }
+
+  bool changed_since(index_t quad, CellComplex::Time time) const {
+    return std::ranges::any_of(complex_.open_quads[quad].vertices,
+                               [&](index_t v) { return complex_.changed_since(v, time); });
   }
 
   /// The cells round the diagonal in front of an open quadrilateral.
@@ -93,11 +104,17 @@ private:
 
   /// A pyramid with a new apex in a cavity that grows from the fan as long as that helps.
   bool raise_to_new_vertex(index_t quad, double least_quality) {
+    // In vain before, and nothing has changed since?
+    reached_.resize(complex_.open_quads.size(), {0, 2.0});
+    if (reached_[quad].quality < least_quality && !changed_since(quad, reached_[quad].time)) return false;
+    const CellComplex::Time now = complex_.tick();
+    reached_[quad] = {now, -2.0};
     if (!gather_fan(quad, cavity_) || !filler_.build(cavity_)) return false;
     Vector3 point;
     double quality = place_over(quad, cavity_, point);
     grower_.grow(cavity_, quality, point, 0.2 * frame_over(quad).side);
     if (quality < comfortable) grow_round_points(quad, quality, point);
+    reached_[quad].quality = quality;
     if (quality < least_quality) return false;
     return fill_from_new_vertex(cavity_, point, statistics_.n_raised);
   }
@@ -186,7 +203,15 @@ private:
   const Originals& originals_;
   double floor_;
   AssemblyStatistics& statistics_;
+  Pulse& pulse_;
   Cavity cavity_;
+
+  /// The best quality of a pyramid with a new apex that was found at a time.
+  struct Reached {
+    CellComplex::Time time;
+    double quality;
+  };
+  std::vector<Reached> reached_;  ///< by open quadrilateral
 };
 
 }  // namespace framehex::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/assembly/detail/originals.hpp"
+#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/options.hpp"
 
 namespace framehex::detail {
@@ -14,12 +15,18 @@ namespace framehex::detail {
 class PyramidFreeCloser {
 public:
   PyramidFreeCloser(CellComplex& complex, const Originals& originals, double quality_floor,
-                    AssemblyStatistics& statistics)
-      : complex_(complex), filler_(complex), originals_(originals), floor_(quality_floor), statistics_(statistics) {}
+                    AssemblyStatistics& statistics, Pulse& pulse)
+      : complex_(complex),
+        filler_(complex),
+        originals_(originals),
+        floor_(quality_floor),
+        statistics_(statistics),
+        pulse_(pulse) {}
 
   void close_all() {
     for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad) {
       if (!complex_.open_quads[quad].open) continue;
+      if (!pulse_.beat(0.5 * quad / static_cast<double>(complex_.open_quads.size()))) return;
       const index_t cell = complex_.open_quads[quad].cell;
       if (split_in_prisms(cell)) {
         ++statistics_.n_split;
@@ -127,6 +134,7 @@ private:
   const Originals& originals_;
   double floor_;
   AssemblyStatistics& statistics_;
+  Pulse& pulse_;
 };
 
 }  // namespace framehex::detail

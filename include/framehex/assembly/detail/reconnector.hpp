@@ -67,20 +67,23 @@ private:
   void try_cavity() {
     double worst_before = std::numeric_limits<double>::infinity(), before = 0;
     for (const index_t cell : trial_.cells) before += energy_.of(complex_, cell, worst_before);
-    if (before <= best_gain_ || !filler_.build(trial_)) return;
+    if (before <= best_gain_ || !filler_.gather(trial_)) return;
+    bool fillable = false;
     for (const index_t apex : trial_.vertices) {
-      double worst = std::numeric_limits<double>::infinity();
-      const double gain = before - star_energy(apex, before - best_gain_, worst);
-      if (gain <= best_gain_ + 1e-9 * before || !acceptable(worst_before, worst)) continue;
+      const double gain = before - star_energy(apex, before - best_gain_, worst_before);
+      if (gain <= best_gain_ + 1e-9 * before) continue;
+      // Asked only where it matters: most cavities have no better filling.
+      if (!fillable && !filler_.is_fillable(trial_)) return;
+      fillable = true;
       best_gain_ = gain;
       best_apex_ = apex;
       best_ = trial_;
     }
   }
 
-  /// Energy of the cavity filled from a vertex; stops early above `limit`.
-  double star_energy(index_t apex, double limit, double& worst) const {
-    double energy = 0;
+  /// Energy of the cavity filled from a vertex; infinite above `limit` and where the worst cell is not acceptable.
+  double star_energy(index_t apex, double limit, double worst_before) const {
+    double energy = 0, worst = std::numeric_limits<double>::infinity();
     std::array<Vector3, 5> p;
     for (const auto& face : trial_.faces) {
       const bool quad = face[3] != no_index;
@@ -92,7 +95,8 @@ private:
       const std::size_t n = quad ? 5 : 4;
       for (std::size_t i = 0; i < n; ++i) p[i] = complex_.points[cell.corners[i]];
       energy += energy_.of(cell.kind, {p.data(), n}, worst);
-      if (energy >= limit || worst <= 0) return std::numeric_limits<double>::infinity();
+      if (energy >= limit || worst <= 0 || !acceptable(worst_before, worst))
+        return std::numeric_limits<double>::infinity();
     }
     return energy;
   }
