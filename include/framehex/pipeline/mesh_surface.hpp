@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/assembly/boundary_slider.hpp"
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/insertion/background.hpp"
@@ -34,7 +35,7 @@ struct MeshingOptions {
   CurveOptions curves = {};
   SurfaceOptions surface = {};
   VolumeOptions volume = {};
-  RecombineOptions recombination = {};
+  RecombineOptions recombination = {};         ///< its boundary projection, when empty, becomes one to the surface
   std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
   double max_background_points = 2e7;          ///< refuse an edge that asks for more
   Observer observer = {};                      ///< replaces those of the stages when set
@@ -113,9 +114,10 @@ private:
   void prepare(const IndexedTriangleMesh& input) {
     validate_closed(input);
     check_sizes(input);
-    const FeatureGraph features = detect_features(input, make_adjacency(input), options_.features);
+    input_ = &input;
+    input_features_ = detect_features(input, make_adjacency(input), options_.features);
     const double edge = background_edge(input);
-    RefinedSurface refined = refine(input, features, [edge](const Vector3&) { return edge; });
+    RefinedSurface refined = refine(input, input_features_, [edge](const Vector3&) { return edge; });
     surface_ = std::move(refined.surface);
     features_ = std::move(refined.features);
     adjacency_ = make_adjacency(surface_);
@@ -238,6 +240,8 @@ private:
     RecombineOptions options = options_.recombination;
     options.faces = faces;
     options.edges = edges;
+    if (options.assembly.improvement == ImprovementMode::improve && !options.assembly.boundary_projection)
+      options.assembly.boundary_projection = boundary_slider(edges);
     result_.recombination = recombine(tets_, options, executor_);
     StageSeconds& s = result_.recombination.seconds;
     s.background = seconds_.background;
@@ -245,6 +249,13 @@ private:
     s.insertion = seconds_.insertion;
     s.tetrahedralization = seconds_.tetrahedralization;
     return result_.recombination.status == Status::complete;
+  }
+
+  /// Keeps boundary vertices on the input as it was given. Those that do not lie on it stay where they are.
+  BoundarySlider boundary_slider(std::span<const LabelledEdge> edges) const {
+    Eigen::AlignedBox3d box;
+    for (const Vector3& p : input_->points) box.extend(p);
+    return BoundarySlider(*input_, input_features_, tets_.points, edges, 1e-6 * box.diagonal().norm());
   }
 
   void sample_field() {
@@ -264,6 +275,8 @@ private:
   Stopwatch watch_;
   StageSeconds seconds_;
   MeshingResult result_;
+  const IndexedTriangleMesh* input_ = nullptr;
+  FeatureGraph input_features_;
   IndexedTriangleMesh surface_;
   TriangleAdjacency adjacency_;
   FeatureGraph features_;

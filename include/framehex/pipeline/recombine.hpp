@@ -110,7 +110,7 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
 
   Assembly assembly = assemble(mesh, adjacency, candidates, result.selection.members, options.assembly);
   watch.lap(result.seconds.assembly);
-  if (!keep_going(options.observer, "assembly", 1)) return cancelled();
+  if (assembly.status == Status::cancelled) return cancelled();
   result.mesh = std::move(assembly.mesh);
   result.open = std::move(assembly.open);
   result.assembly = assembly.statistics;
