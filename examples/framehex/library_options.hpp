@@ -28,9 +28,8 @@ inline framehex::RecombineOptions recombine_options(const Options& options, cons
                        : options.select == "exact" ? framehex::SelectMethod::exact
                                                    : framehex::SelectMethod::best;
   r.selection.gap = options.gap_percent.value_or(0.5) / 100;
-  // Without a wish of the user's the work is bounded by a count, so that results repeat.
-  if (options.budget_seconds || options.gap_percent || options.select == "exact")
-    r.selection_work = std::numeric_limits<double>::infinity();
+  // Who asks for a gap or a time means it: without, the work is bounded by a count, so that results repeat.
+  if (options.budget_seconds || options.gap_percent) r.selection.max_passes = std::numeric_limits<double>::infinity();
   if (options.budget_seconds) r.selection.max_rounds = 1'000'000;
   if (options.budget_seconds) r.selection.seconds = *options.budget_seconds;
   r.selection.seed = options.seed;

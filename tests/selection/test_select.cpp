@@ -113,6 +113,23 @@ TEST_CASE("every method is sound, and exact is not below the others", "[selectio
   CHECK(threads.bound == loose.bound);
 }
 
+TEST_CASE("the bound of a large graph's course holds on small ones", "[selection][select]") {
+  std::mt19937_64 engine(7);
+  std::size_t n_proven = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const auto n = static_cast<index_t>(2 + engine() % 15);
+    const auto graph =
+        random_graph(engine, n, 0.1 + 0.08 * static_cast<double>(round % 10), static_cast<Weights>(round % 4));
+    const Selection selection = select(graph, {.gap = 0, .max_rounds = 6, .exact_below = 0});
+    check_sound(graph, selection);
+    const auto best = static_cast<double>(brute_force(graph)) * graph.unit();
+    REQUIRE(selection.bound >= best);
+    REQUIRE(selection.weight <= best);
+    n_proven += selection.status == SelectionStatus::optimal;
+  }
+  CHECK(n_proven > 1000);
+}
+
 TEST_CASE("graphs at the edges of what there is", "[selection][select]") {
   const Selection nothing = select(IncompatibilityGraph{});
   CHECK(nothing.members.empty());

@@ -14,10 +14,7 @@ namespace framehex {
 /// Spans must outlive the call only.
 struct RecombineOptions {
   HexFinderOptions finder = {};  ///< its labels, adjacency and observer are set from those below
-  SelectOptions selection = {.exact_below = 2000};
-  /// Candidates times rounds of the selection's bound: a budget that follows the size of the job and repeats. Lowers
-  /// `selection.max_rounds`; a large job gets no round, and only a rough bound. Infinity leaves it alone.
-  double selection_work = 2.5e5;
+  SelectOptions selection = {.max_passes = 30, .exact_below = 2000};
   AssemblyOptions assembly = {};             ///< its labels and observer are set from those below
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
@@ -101,9 +98,6 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   result.graph = statistics(graph);
   watch.lap(result.seconds.search);
 
-  const double rounds = options.selection_work / static_cast<double>(graph.size() + 1);
-  if (rounds < static_cast<double>(options.selection.max_rounds))
-    options.selection.max_rounds = static_cast<std::size_t>(rounds);
   result.selection = select(graph, options.selection, executor);
   watch.lap(result.seconds.selection);
   if (result.selection.status == SelectionStatus::cancelled) return cancelled();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/incompatibility_graph.hpp"
+#include "framehex/selection/canonical_order.hpp"
 
 #include <bit>
 #include <iterator>
@@ -20,25 +20,21 @@ struct CliqueCover {
 namespace detail {
 
 /// The neighbours of one candidate as a bit matrix, from which maximal cliques through that candidate are grown.
-/// Neighbour i is number i + 1; bit 0 takes what is no neighbour, so that filling the matrix needs no branches.
+/// Neighbour i is number i + 1; bit 0 takes what is no neighbour, so that filling a row needs no branches. Rows are
+/// filled when they are first read: most candidates have few conflicts left to cover, and those touch few rows.
 class NeighbourhoodMatrix {
 public:
   explicit NeighbourhoodMatrix(std::size_t n_vertices) : local_(n_vertices, 0) {}
 
   void assign(const IncompatibilityGraph& graph, index_t centre) {
+    graph_ = &graph;
     for (const index_t u : members_) local_[u] = 0;
     const auto row = graph.neighbours(centre);
     members_.assign(row.begin(), row.end());
     n_words_ = members_.size() / 64 + 1;
     for (std::size_t i = 0; i < members_.size(); ++i) local_[members_[i]] = static_cast<index_t>(i + 1);
-    bits_.assign((members_.size() + 1) * n_words_, 0);
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      std::uint64_t* const bits = bits_.data() + (i + 1) * n_words_;
-      for (const index_t u : graph.neighbours(members_[i])) {
-        const index_t number = local_[u];
-        bits[number / 64] |= std::uint64_t{1} << (number % 64);
-      }
-    }
+    bits_.resize((members_.size() + 1) * n_words_);
+    filled_.assign(members_.size() + 1, 0);
   }
 
   index_t member(index_t number) const { return members_[number - 1]; }
@@ -47,12 +43,14 @@ public:
   /// ones. `clique` receives numbers.
   void grow(index_t seed, std::span<const std::uint64_t> wanted, std::vector<index_t>& clique) {
     clique.assign(1, seed);
-    open_.assign(row(seed), row(seed) + n_words_);
+    const std::uint64_t* const neighbours = row(seed);
+    open_.assign(neighbours, neighbours + n_words_);
     open_[0] &= ~std::uint64_t{1};
     scores_.resize(members_.size() + 1);
     for_each_open([&](std::size_t i) {
+      const std::uint64_t* const bits = row(i);
       int common = 0;
-      for (std::size_t w = 0; w < n_words_; ++w) common += std::popcount(open_[w] & row(i)[w]);
+      for (std::size_t w = 0; w < n_words_; ++w) common += std::popcount(open_[w] & bits[w]);
       scores_[i] = 4 * common + ((wanted[i / 64] >> (i % 64)) & 1U ? 3 : 0);
     });
     for (;;) {
@@ -62,12 +60,23 @@ public:
       });
       if (best == 0) return;
       clique.push_back(static_cast<index_t>(best));
-      for (std::size_t w = 0; w < n_words_; ++w) open_[w] &= row(best)[w];
+      const std::uint64_t* const bits = row(best);
+      for (std::size_t w = 0; w < n_words_; ++w) open_[w] &= bits[w];
     }
   }
 
 private:
-  const std::uint64_t* row(std::size_t i) const { return bits_.data() + i * n_words_; }
+  const std::uint64_t* row(std::size_t i) {
+    std::uint64_t* const bits = bits_.data() + i * n_words_;
+    if (filled_[i]) return bits;
+    filled_[i] = 1;
+    std::fill(bits, bits + n_words_, 0);
+    for (const index_t u : graph_->neighbours(members_[i - 1])) {
+      const index_t number = local_[u];
+      bits[number / 64] |= std::uint64_t{1} << (number % 64);
+    }
+    return bits;
+  }
 
   template <class Body>
   void for_each_open(Body&& body) const {
@@ -76,8 +85,10 @@ private:
         body(64 * word + static_cast<std::size_t>(std::countr_zero(rest)));
   }
 
+  const IncompatibilityGraph* graph_ = nullptr;
   std::vector<index_t> local_, members_;
   std::vector<std::uint64_t> bits_, open_;
+  std::vector<std::uint8_t> filled_;
   std::vector<int> scores_;
   std::size_t n_words_ = 0;
 };
@@ -107,6 +118,54 @@ public:
 private:
   const IncompatibilityGraph& graph_;
   std::vector<std::uint64_t> bits_;
+};
+
+/// Extends cliques to maximal ones.
+class CliqueGrower {
+public:
+  explicit CliqueGrower(const IncompatibilityGraph& graph) : graph_(graph) {}
+
+  /// Adds common neighbours of the members, always the one with the largest `score(v)` next, the smallest among equals.
+  ///
+  /// @param clique  not empty; receives the new members behind the old.
+  template <class Score>
+  void extend(std::vector<index_t>& clique, Score&& score) {
+    extend(clique, score, [](index_t) { return true; });
+  }
+
+  /// @param allowed  only such candidates are added.
+  template <class Score, class Allowed>
+  void extend(std::vector<index_t>& clique, Score&& score, Allowed&& allowed) {
+    open_.clear();
+    for (const index_t v : graph_.neighbours(clique[0]))
+      if (allowed(v)) open_.push_back(v);
+    for (std::size_t i = 1; i < clique.size(); ++i) keep_neighbours_of(clique[i]);
+    while (!open_.empty()) {
+      clique.push_back(
+          *std::max_element(open_.begin(), open_.end(), [&](index_t u, index_t v) { return score(u) < score(v); }));
+      keep_neighbours_of(clique.back());
+    }
+  }
+
+private:
+  void keep_neighbours_of(index_t v) {
+    const auto row = graph_.neighbours(v);
+    kept_.resize(open_.size());
+    std::size_t n = 0;
+    // Steps both lists without branches: which one is behind cannot be foreseen.
+    for (std::size_t i = 0, j = 0; i < open_.size() && j < row.size();) {
+      const index_t u = open_[i], w = row[j];
+      kept_[n] = u;
+      n += u == w;
+      i += u <= w;
+      j += w <= u;
+    }
+    kept_.resize(n);
+    open_.swap(kept_);
+  }
+
+  const IncompatibilityGraph& graph_;
+  std::vector<index_t> open_, kept_;
 };
 
 inline Csr<index_t> transpose(const Csr<index_t>& rows, std::size_t n_columns) {
@@ -164,6 +223,43 @@ CliqueCover cover_by_cliques(const IncompatibilityGraph& graph, Stop&& stop) {
 
 inline CliqueCover cover_by_cliques(const IncompatibilityGraph& graph) {
   return cover_by_cliques(graph, [] { return false; });
+}
+
+/// Parts the candidates into cliques, `n_partitions` times over and at random.
+///
+/// A lean start for a relaxation of a large graph: most conflicts are in no clique, and those that matter are found by
+/// what the relaxation overfills.
+///
+/// @par Complexity   O(n d) a partition, for the mean degree d; n entries a partition.
+/// @param stop  asked now and then; when it says so, the rest is left out.
+/// @par Determinism  Serial; the random order is that of the numbers, scrambled.
+template <class Stop>
+CliqueCover cover_by_partitions(const IncompatibilityGraph& graph, std::uint64_t n_partitions, Stop&& stop) {
+  CliqueCover cover;
+  detail::CliqueGrower grower(graph);
+  std::vector<std::uint64_t> key(graph.size());
+  std::vector<index_t> order(graph.size()), clique;
+  std::vector<std::uint8_t> used;
+  for (std::uint64_t partition = 0; partition < n_partitions; ++partition) {
+    for (index_t v = 0; v < graph.size(); ++v) key[v] = detail::scramble(n_partitions * v + partition);
+    std::iota(order.begin(), order.end(), index_t{0});
+    std::sort(order.begin(), order.end(), [&](index_t u, index_t v) { return key[u] > key[v]; });
+    used.assign(graph.size(), 0);
+    for (const index_t v : order) {
+      if (v % 64 == 0 && stop()) break;
+      if (used[v]) continue;
+      clique.assign(1, v);
+      grower.extend(
+          clique, [&](index_t u) { return key[u]; }, [&](index_t u) { return !used[u]; });
+      for (const index_t u : clique) used[u] = 1;
+      if (clique.size() == 1) continue;
+      std::sort(clique.begin(), clique.end());
+      cover.cliques.values.insert(cover.cliques.values.end(), clique.begin(), clique.end());
+      cover.cliques.end_row();
+    }
+  }
+  cover.cliques_of_vertex = detail::transpose(cover.cliques, graph.size());
+  return cover;
 }
 
 /// Rough upper bound on every selection, in units: the candidates are parted into cliques, each of which pays for its

@@ -50,6 +50,16 @@ public:
   /// Prices of the cliques, relative to the largest weight.
   std::span<const float> dual() const { return next_y_; }
 
+  /// Weight of each candidate less the prices of its cliques, relative to the largest weight. Negative: held back.
+  std::vector<float> reduced_weights() const {
+    std::vector<float> reduced(weights_.size());
+    for (std::size_t v = 0; v < weights_.size(); ++v) {
+      reduced[v] = cost(v);
+      for (const index_t c : cover_.cliques_of_vertex[v]) reduced[v] -= next_y_[c];
+    }
+    return reduced;
+  }
+
   /// Prices that prove a bound: integers, in units / 2^bits.
   struct Prices {
     std::vector<std::int64_t> of_clique;
@@ -131,15 +141,18 @@ private:
     if (restart_is_due(std::sqrt(moved_x + moved_y))) restart();
   }
 
+  float cost(std::size_t v) const {
+    return static_cast<float>(static_cast<double>(weights_[v]) / static_cast<double>(largest_));
+  }
+
   double step_primal(std::size_t begin, std::size_t end) {
     double moved = 0;
     for (std::size_t v = begin; v < end; ++v) {
       const auto row = cover_.cliques_of_vertex[v];
       float price = 0;
       for (const index_t c : row) price += y_[c];
-      const float cost = static_cast<float>(static_cast<double>(weights_[v]) / static_cast<double>(largest_));
       const float rate = step_size / (balance_ * static_cast<float>(std::max<std::size_t>(row.size(), 1)));
-      next_x_[v] = std::clamp(x_[v] + rate * (cost - price), 0.0F, 1.0F);
+      next_x_[v] = std::clamp(x_[v] + rate * (cost(v) - price), 0.0F, 1.0F);
       moved += static_cast<double>((next_x_[v] - x_[v]) * (next_x_[v] - x_[v]) / rate);
     }
     return moved;

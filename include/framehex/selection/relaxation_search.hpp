@@ -41,7 +41,7 @@ inline void settle_relaxation(const IncompatibilityGraph& graph, LpBound& relaxa
     if (relaxation.bound() <= goal || deadline.passed()) return;
     if (before - relaxation.bound() > (before - goal) / 50) continue;
     if (n_cuts++ == 12) return;
-    const auto cliques = separator.separate(relaxation.primal());
+    const auto cliques = separator.separate(relaxation, CliqueSeparator::Effort::thorough);
     if (cliques.empty()) return;
     relaxation.add_cliques(cliques);
     relaxation.iterate(100);

@@ -21,6 +21,9 @@ struct SelectOptions {
   double seconds = std::numeric_limits<double>::infinity();
   /// Rounds of 50 iterations of the bound, each with a share of local search: the budget that repeats.
   std::size_t max_rounds = 60;
+  /// How often the bound may pass over a member of a clique, for each conflict of the graph and a million at least: a
+  /// budget that repeats too, and follows the size of the job. Not for what is to be proven optimal.
+  double max_passes = std::numeric_limits<double>::infinity();
   /// Nodes of the tree search, in `best` and `exact`.
   std::size_t max_nodes = 2000;
   /// `best` goes on to the proven optimum up to this many candidates.
@@ -48,7 +51,7 @@ public:
       IteratedSearch search(graph_, result.members, options_.seed);
       std::vector<index_t> places(graph_.size());
       std::iota(places.begin(), places.end(), index_t{0});
-      perturb(search, places, graph_.size() / 4 + 1);
+      perturb(search, places, graph_.size() / 16 + 1);
       // Where lattices do not meet, greedy is hard to beat.
       if (!deadline_.passed()) search.offer(select_greedily(graph_));
       if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
@@ -82,21 +85,36 @@ private:
       search.perturb(places, std::min(chunk, n - done));
   }
 
+  /// 50 iterations of the bound.
+  void relax(LpBound& relaxation, CliqueSeparator& separator) {
+    for (int i = 0; i < 2 && !deadline_.passed(); ++i) {
+      for (int j = 0; j < 5 && !deadline_.passed(); ++j) relaxation.iterate(5, executor_);
+      if (!proof_wanted()) relaxation.add_cliques(separator.separate(relaxation, CliqueSeparator::Effort::quick));
+    }
+    n_iterations_ += 50;
+    n_passes_ += 50 * static_cast<double>(relaxation.cover().cliques.values.size());
+  }
+
   /// Bound and selection draw together. @return the bound.
   std::int64_t improve(IteratedSearch& search) {
-    LpBound relaxation(cover_by_cliques(graph_, [this] { return deadline_.passed(); }), graph_.weights_in_units());
+    // The tree search needs every conflict in a clique; a large graph is better off with those that matter.
+    const auto stop = [this] { return deadline_.passed(); };
+    LpBound relaxation(proof_wanted() ? cover_by_cliques(graph_, stop) : cover_by_partitions(graph_, 6, stop),
+                       graph_.weights_in_units());
     CliqueSeparator separator(graph_);
-    for (std::size_t round = 0; round < options_.max_rounds; ++round) {
+    const double max_passes = options_.max_passes * std::max(1e6, static_cast<double>(graph_.n_conflicts()));
+    const auto work_left = [&] { return proof_wanted() || n_passes_ < max_passes; };
+    for (std::size_t round = 0; round < options_.max_rounds && work_left(); ++round) {
       const std::int64_t before = relaxation.bound();
-      for (int i = 0; i < 10 && !deadline_.passed(); ++i) relaxation.iterate(5, executor_);
-      n_iterations_ += 50;
+      relax(relaxation, separator);
       deadline_.set_fraction(static_cast<double>(round) / static_cast<double>(options_.max_rounds));
       search.offer(round_relaxation(graph_, relaxation.primal()));
       if (relaxation.bound() <= goal(search.weight_in_units()) || deadline_.passed()) break;
-      perturb(search, doubtful(search, relaxation.primal()), graph_.size() / 8);
+      const std::vector<index_t> places = doubtful(search, relaxation.primal());
+      perturb(search, places, places.size());
       if (relaxation.bound() <= goal(search.weight_in_units()) || deadline_.passed()) break;
       if (round < 3 || before - relaxation.bound() > (before - search.weight_in_units()) / 20) continue;
-      const auto cliques = separator.separate(relaxation.primal());
+      const auto cliques = separator.separate(relaxation, CliqueSeparator::Effort::thorough);
       if (!cliques.empty())
         relaxation.add_cliques(cliques);
       else if (proof_wanted())
@@ -124,6 +142,7 @@ private:
   const E& executor_;
   Deadline& deadline_;
   std::size_t n_iterations_ = 0;
+  double n_passes_ = 0;
 };
 
 }  // namespace detail
