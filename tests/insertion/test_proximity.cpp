@@ -65,6 +65,29 @@ TEMPLATE_TEST_CASE("a proximity filter finds what brute force finds", "", HashGr
   }
 }
 
+TEMPLATE_TEST_CASE("moved points are found where they are, once", "", HashGrid, RTreeFilter) {
+  Uniform uniform;
+  TestType filter(1.0);
+  std::vector<Vector3> points;
+  for (int i = 0; i < 1000; ++i) {
+    points.push_back(uniform.point(3));
+    filter.insert(points.back(), i % 3 == 0 ? 0.1 : 1.0);
+  }
+  for (int round = 0; round < 5; ++round) {
+    for (index_t i = 0; i < points.size(); ++i) {
+      points[i] += uniform.point(i % 2 == 0 ? 0.05 : 2);  // within a cell, and far
+      filter.move(i, points[i]);
+    }
+    for (int query = 0; query < 20; ++query) {
+      const Vector3 centre = uniform.point(3), half(1, 0.3, 2);
+      std::vector<index_t> expected;
+      for (index_t k = 0; k < points.size(); ++k)
+        if (((points[k] - centre).cwiseAbs().array() <= half.array()).all()) expected.push_back(k);
+      REQUIRE(found(filter, centre - half, centre + half) == expected);
+    }
+  }
+}
+
 TEMPLATE_TEST_CASE("a closed box contains its faces", "", HashGrid, RTreeFilter) {
   TestType filter(1.0);
   filter.insert({1, 1, 1}, 1.0);

@@ -32,8 +32,15 @@ Quaternion mean_frame(const std::array<Quaternion, N>& frames, const std::array<
   for (std::size_t i = 1; i < N; ++i)
     if (weights[i] > weights[heaviest]) heaviest = i;
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-  for (std::size_t i = 0; i < N; ++i)
-    if (weights[i] > 0) sum += weights[i] * CubeRotationGroup<>::aligned(frames[heaviest], frames[i]).coeffs();
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!(weights[i] > 0)) continue;
+    // Within 45 degrees (cosine of half of it: 0.924) no other representative can be nearer.
+    const double cosine = frames[heaviest].dot(frames[i]);
+    if (std::abs(cosine) > 0.93)
+      sum += std::copysign(weights[i], cosine) * frames[i].coeffs();
+    else
+      sum += weights[i] * CubeRotationGroup<>::aligned(frames[heaviest], frames[i]).coeffs();
+  }
   return Quaternion(sum.normalized());
 }
 

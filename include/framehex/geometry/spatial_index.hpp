@@ -48,6 +48,9 @@ public:
 
   void insert(const Vector3& point, index_t id) { tree_.insert(Value(detail::geometry_point(point), id)); }
 
+  /// Takes a point out that was inserted with that id.
+  void remove(const Vector3& point, index_t id) { tree_.remove(Value(detail::geometry_point(point), id)); }
+
   /// Calls `visit(id, point)` for each point in the closed box [low, high], in an order that depends on nothing but the
   /// insertions; stops early when `visit` returns false.
   template <class Visit>

@@ -22,12 +22,16 @@ inline Vector3 lattice_direction(const Eigen::Matrix3d& axes, std::size_t direct
   return direction % 2 == 0 ? Vector3(column) : Vector3(-column);
 }
 
+/// The direction that is nearest to a vector given along the axes; the first of equally near ones.
+inline std::size_t nearest_direction(const Vector3& local) {
+  const double x = std::abs(local[0]), y = std::abs(local[1]), z = std::abs(local[2]);
+  const int axis = z > x && z > y ? 2 : y > x ? 1 : 0;
+  return 2 * static_cast<std::size_t>(axis) + (local[axis] < 0 ? 1 : 0);
+}
+
 /// The direction of a frame that is nearest to `wanted`; the first of equally near ones.
 inline std::size_t nearest_direction(const Eigen::Matrix3d& axes, const Vector3& wanted) {
-  const Vector3 local = axes.transpose() * wanted;
-  Eigen::Index axis = 0;
-  local.cwiseAbs().maxCoeff(&axis);
-  return 2 * static_cast<std::size_t>(axis) + (local[axis] < 0 ? 1 : 0);
+  return nearest_direction(Vector3(axes.transpose() * wanted));
 }
 
 /// The same frame with its axes numbered and signed as those of `reference` that are nearest to them; `axes` itself

@@ -3,6 +3,7 @@
 
 #include "framehex/config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,13 +14,15 @@ namespace framehex {
 /// Points to which more are added one at a time, searched by box.
 ///
 /// `insert(point, size)` numbers the points 0, 1, ...; `size` is about the distance to the neighbours to be expected
-/// and concerns speed only. `for_each_in_box(low, high, visit)` calls `visit(index, point)` once for every point of the
-/// closed box, in an order that depends on nothing but the insertions. `F(size)` makes an empty one for spacings of
-/// about `size` and less.
+/// and concerns speed only. `move(index, point)` puts a point elsewhere. `for_each_in_box(low, high, visit)` calls
+/// `visit(index, point)` once for every point of the closed box, in an order that depends on nothing but the insertions
+/// and moves. `F(size)` makes an empty one for spacings of about `size` and less.
 template <class F>
 concept ProximityFilter = std::constructible_from<F, double> &&
-    requires(F filter, const F& constant, const Vector3& p, double size, void (*visit)(index_t, const Vector3&)) {
+    requires(F filter, const F& constant, index_t i, const Vector3& p, double size,
+             void (*visit)(index_t, const Vector3&)) {
   filter.insert(p, size);
+  filter.move(i, p);
   constant.for_each_in_box(p, p, visit);
 };
 
@@ -33,7 +36,8 @@ concept ProximityFilter = std::constructible_from<F, double> &&
 /// @par Complexity   Expected O(1) an insertion, O(points found + cells of the box) a search; about 60 bytes a point in
 /// a
 ///                   volume with one point a cell.
-/// @par Determinism  Does not depend on addresses; the order of a visit depends on the order of insertion only.
+/// @par Determinism  Does not depend on addresses; the order of a visit depends on the order of insertions and moves
+/// only.
 class HashGrid {
 public:
   /// @param cell  width of the coarsest cells, > 0: about the largest spacing to be expected.
@@ -42,16 +46,21 @@ public:
   void insert(const Vector3& point, double size) {
     int level = 0;
     for (double width = 0.5 * cell_; size <= width && level < max_level; width *= 0.5) ++level;
-    // Cells above must know before a search passes them by.
-    for (int above = 0; above < level; ++above) {
-      Block& block = make_block(block_of(cell_of(point, above), above));
-      block.finer |= bit(cell_of(point, above));
+    entries_.push_back({point, none, level});
+    link(static_cast<index_t>(entries_.size() - 1));
+  }
+
+  void move(index_t i, const Vector3& to) {
+    const Cell before = cell_of(entries_[i].point, entries_[i].level);
+    if (cell_of(to, entries_[i].level) == before) {
+      entries_[i].point = to;
+      return;
     }
-    const Cell cell = cell_of(point, level);
-    index_t& head = make_block(block_of(cell, level)).head[slot(cell)];
-    next_.push_back(head);
-    points_.push_back(point);
-    head = static_cast<index_t>(points_.size() - 1);
+    index_t* at = &make_block(block_of(before, entries_[i].level)).head[slot(before)];
+    while (*at != i) at = &entries_[*at].next;
+    *at = entries_[i].next;
+    entries_[i].point = to;
+    link(i);
   }
 
   template <class Visit>
@@ -59,28 +68,19 @@ public:
     const Cell first = cell_of(low, 0), last = cell_of(high, 0);
     double n_cells = 1;
     for (std::size_t a = 0; a < 3; ++a) n_cells *= static_cast<double>(last[a] - first[a] + 1);
-    if (n_cells > static_cast<double>(points_.size() + 64)) {
-      for (std::size_t i = 0; i < points_.size(); ++i)
-        if (contains(low, high, points_[i])) visit(static_cast<index_t>(i), points_[i]);
+    if (n_cells > static_cast<double>(entries_.size() + 64)) {
+      for (std::size_t i = 0; i < entries_.size(); ++i)
+        if (contains(low, high, entries_[i].point)) visit(static_cast<index_t>(i), entries_[i].point);
       return;
     }
-    const Block* block = nullptr;
-    Cell block_cell{};
-    bool known = false;
-    for (std::int64_t z = first[2]; z <= last[2]; ++z)
-      for (std::int64_t y = first[1]; y <= last[1]; ++y)
-        for (std::int64_t x = first[0]; x <= last[0]; ++x) {
-          const Cell cell{x, y, z};
-          if (const Cell wanted{x >> 2, y >> 2, z >> 2}; !known || wanted != block_cell) {
-            block = find_block(key(wanted, 0));
-            block_cell = wanted;
-            known = true;
-          }
-          if (block) visit_cell(*block, cell, 0, low, high, visit);
-        }
+    for (std::int64_t bz = first[2] >> 2; bz <= last[2] >> 2; ++bz)
+      for (std::int64_t by = first[1] >> 2; by <= last[1] >> 2; ++by)
+        for (std::int64_t bx = first[0] >> 2; bx <= last[0] >> 2; ++bx)
+          if (const Block* block = find_block(key({bx, by, bz}, 0)))
+            visit_block(*block, {bx, by, bz}, first, last, low, high, visit);
   }
 
-  std::size_t size() const { return points_.size(); }
+  std::size_t size() const { return entries_.size(); }
 
 private:
   using Cell = std::array<std::int64_t, 3>;
@@ -91,6 +91,26 @@ private:
     std::uint64_t key;
     std::uint64_t finer = 0;  // one bit a cell: points on finer levels lie in it
     std::array<index_t, 64> head;
+  };
+
+  /// Puts point i at the head of its cell.
+  void link(index_t i) {
+    const Vector3& point = entries_[i].point;
+    // Cells above must know before a search passes them by.
+    for (int above = 0; above < entries_[i].level; ++above) {
+      Block& block = make_block(block_of(cell_of(point, above), above));
+      block.finer |= bit(cell_of(point, above));
+    }
+    const Cell cell = cell_of(point, entries_[i].level);
+    index_t& head = make_block(block_of(cell, entries_[i].level)).head[slot(cell)];
+    entries_[i].next = head;
+    head = i;
+  }
+
+  struct Entry {
+    Vector3 point;
+    index_t next;  // the point below in the same cell
+    int level;
   };
 
   static bool contains(const Vector3& low, const Vector3& high, const Vector3& p) {
@@ -149,12 +169,25 @@ private:
     table_[i] = block;
   }
 
+  /// The coarsest cells of a block between `first` and `last`.
+  template <class Visit>
+  void visit_block(const Block& block, const Cell& at, const Cell& first, const Cell& last, const Vector3& low,
+                   const Vector3& high, Visit& visit) const {
+    Cell from, to;
+    for (std::size_t a = 0; a < 3; ++a) {
+      from[a] = std::max(first[a], 4 * at[a]);
+      to[a] = std::min(last[a], 4 * at[a] + 3);
+    }
+    for (std::int64_t z = from[2]; z <= to[2]; ++z)
+      for (std::int64_t y = from[1]; y <= to[1]; ++y)
+        for (std::int64_t x = from[0]; x <= to[0]; ++x) visit_cell(block, {x, y, z}, 0, low, high, visit);
+  }
+
   template <class Visit>
   void visit_cell(const Block& block, const Cell& cell, int level, const Vector3& low, const Vector3& high,
                   Visit& visit) const {
-    for (index_t i = block.head[slot(cell)]; i != none; i = next_[i]) {
-      if (contains(low, high, points_[i])) visit(i, points_[i]);
-    }
+    for (index_t i = block.head[slot(cell)]; i != none; i = entries_[i].next)
+      if (contains(low, high, entries_[i].point)) visit(i, entries_[i].point);
     if (!(block.finer & bit(cell))) return;
     const Cell first = cell_of(low, level + 1), last = cell_of(high, level + 1);
     for (std::int64_t child = 0; child < 8; ++child) {
@@ -167,8 +200,7 @@ private:
   }
 
   double cell_, inverse_;
-  std::vector<Vector3> points_;
-  std::vector<index_t> next_;  // the point below in the same cell
+  std::vector<Entry> entries_;
   std::vector<Block> blocks_;
   std::vector<index_t> table_;  // open addressing, a power of two
 };
@@ -185,15 +217,23 @@ inline double frame_infinity_norm(const Eigen::Matrix3d& axes, const Vector3& of
   return (axes.transpose() * offset).cwiseAbs().maxCoeff();
 }
 
-/// Calls `visit(index, point, distance)` for every point whose distance from `centre`, in the infinity norm of the
-/// frame `axes`, is under `radius`.
+/// Calls `visit(index, point, local)` for every point whose distance from `centre`, in the infinity norm of the frame
+/// `axes`, is under `radius`; `local` is its offset along the axes.
+template <ProximityFilter F, class Visit>
+void for_each_local(const F& filter, const Vector3& centre, const Eigen::Matrix3d& axes, double radius, Visit&& visit) {
+  const Vector3 half = box_half_edges(axes, radius);
+  const Eigen::Matrix3d to_local = axes.transpose();
+  filter.for_each_in_box(centre - half, centre + half, [&](index_t i, const Vector3& p) {
+    const Vector3 local = to_local * (p - centre);
+    if (std::abs(local[0]) < radius && std::abs(local[1]) < radius && std::abs(local[2]) < radius) visit(i, p, local);
+  });
+}
+
+/// The same with the distance in place of the offset.
 template <ProximityFilter F, class Visit>
 void for_each_near(const F& filter, const Vector3& centre, const Eigen::Matrix3d& axes, double radius, Visit&& visit) {
-  const Vector3 half = box_half_edges(axes, radius);
-  filter.for_each_in_box(centre - half, centre + half, [&](index_t i, const Vector3& p) {
-    const double distance = frame_infinity_norm(axes, p - centre);
-    if (distance < radius) visit(i, p, distance);
-  });
+  for_each_local(filter, centre, axes, radius,
+                 [&](index_t i, const Vector3& p, const Vector3& local) { visit(i, p, local.cwiseAbs().maxCoeff()); });
 }
 
 }  // namespace framehex

@@ -4,16 +4,27 @@
 #include "framehex/geometry/spatial_index.hpp"
 #include "framehex/insertion/proximity.hpp"
 
+#include <vector>
+
 namespace framehex {
 
 /// Boost.Geometry's R-tree as a proximity filter: the reference against which the hash grid is measured.
 ///
-/// @par Complexity   O(log n) an insertion and a search; about 90 bytes a point.
+/// @par Complexity   O(log n) an insertion and a search; about 120 bytes a point.
 class RTreeFilter {
 public:
   explicit RTreeFilter(double /*cell*/) {}
 
-  void insert(const Vector3& point, double /*size*/) { tree_.insert(point, static_cast<index_t>(tree_.size())); }
+  void insert(const Vector3& point, double /*size*/) {
+    tree_.insert(point, static_cast<index_t>(points_.size()));
+    points_.push_back(point);
+  }
+
+  void move(index_t i, const Vector3& to) {
+    tree_.remove(points_[i], i);
+    tree_.insert(to, i);
+    points_[i] = to;
+  }
 
   template <class Visit>
   void for_each_in_box(const Vector3& low, const Vector3& high, Visit&& visit) const {
@@ -25,6 +36,7 @@ public:
 
 private:
   PointIndex tree_;
+  std::vector<Vector3> points_;
 };
 
 static_assert(ProximityFilter<RTreeFilter>);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -60,9 +61,10 @@ struct VolumeOptions {
   double boundary_distance = 0.5;  ///< least distance to the boundary, in sizes
   double link_distance = 0.35;     ///< a proposal this near to a point (in sizes, infinity norm) is that point
   ParentAveraging averaging = ParentAveraging::parents;
-  index_t rounds = 3;  ///< how often the points are relaxed and then propose again
+  index_t rounds = 3;  ///< how often the points are relaxed, and those that moved propose again
   index_t sweeps =
       5;  ///< of a relaxation: each moves every point towards the mean of what its lattice neighbours predict
+  double least_move = 0.005;  ///< of a sweep, in sizes: a point off by less stays; most of the cost of a relaxation
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
 };
@@ -121,6 +123,7 @@ public:
     detail::check_factor("rejection", rejection_, 0.05, 0.95);
     detail::check_factor("boundary_distance", options_.boundary_distance, 1e-3, 2);
     detail::check_factor("link_distance", options_.link_distance, 0, rejection_);
+    detail::check_factor("least_move", options_.least_move, 1e-9, 1);
     estimate(seeds);
     proximity_ = Proximity(largest_size_);
     result_.n_seeds = seeds.size();
@@ -142,16 +145,30 @@ public:
     run_queue();
     for (index_t round = 0; round < options_.rounds && result_.status == Status::complete; ++round) {
       for (index_t sweep = 0; sweep < options_.sweeps; ++sweep) relax();
-      rebuild_proximity();
-      for (index_t p = 0; p < result_.points.size(); ++p) queue_.push(p, result_.smoothness[p], result_.generations[p]);
+      // A point that stayed would propose what was turned down before.
+      for (index_t p = 0; p < sites_.size(); ++p)
+        if (moved_[p]) queue_.push(p, result_.smoothness[p], result_.generations[p]);
+      std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
       run_queue();
     }
+    add_sites(result_);
     return std::move(result_);
   }
 
-  const VolumeInsertion& result() const { return result_; }
+  /// What there is so far, in O(n).
+  VolumeInsertion result() const {
+    VolumeInsertion result = result_;
+    add_sites(result);
+    return result;
+  }
 
 private:
+  /// What is asked for of neighbours, on one line of the cache.
+  struct alignas(64) Site {
+    Vector3 point;
+    double size;
+    Quaternion frame;
+  };
   struct Probe {
     Eigen::Matrix3d axes;
     Quaternion frame;
@@ -165,10 +182,21 @@ private:
     Vector3 prediction;
   };
 
+  void add_sites(VolumeInsertion& result) const {
+    result.points.reserve(sites_.size());
+    result.frames.reserve(sites_.size());
+    result.sizes.reserve(sites_.size());
+    for (const Site& site : sites_) {
+      result.points.push_back(site.point);
+      result.frames.push_back(site.frame);
+      result.sizes.push_back(site.size);
+    }
+  }
+
   void run_queue() {
     constexpr std::size_t steps_per_report = 2048;
     for (std::size_t n = 0; step(); ++n) {
-      if (result_.points.size() - result_.n_seeds > options_.max_points) {
+      if (sites_.size() - result_.n_seeds > options_.max_points) {
         result_.status = Status::budget_exhausted;
         return;
       }
@@ -217,15 +245,15 @@ private:
   }
 
   index_t store(const Vector3& p, const Probe& at, index_t generation, double clearance) {
-    const auto index = static_cast<index_t>(result_.points.size());
-    result_.points.push_back(p);
-    result_.frames.push_back(at.frame);
-    result_.sizes.push_back(at.size);
+    const auto index = static_cast<index_t>(sites_.size());
+    sites_.push_back({p, at.size, at.frame});
     result_.smoothness.push_back(at.smoothness);
     result_.generations.push_back(generation);
     result_.links.push_back({no_index, no_index, no_index, no_index, no_index, no_index});
     clearance_.push_back(clearance);
     hints_.push_back(at.hint);
+    awake_.push_back(1);
+    moved_.push_back(0);
     proximity_.insert(p, at.size);
     return index;
   }
@@ -234,9 +262,9 @@ private:
 
   void propose(index_t p, std::size_t direction) {
     ++result_.statistics.proposals;
-    const Vector3 origin = result_.points[p];
-    const Vector3 start = lattice_direction(result_.frames[p].toRotationMatrix(), direction);
-    const Probe half = probe(origin + 0.5 * result_.sizes[p] * start, hints_[p]);
+    const Vector3 origin = sites_[p].point;
+    const Vector3 start = lattice_direction(sites_[p].frame.toRotationMatrix(), direction);
+    const Probe half = probe(origin + 0.5 * sites_[p].size * start, hints_[p]);
     const Vector3 middle = lattice_direction(half.axes, nearest_direction(half.axes, start));
     Vector3 candidate = origin + half.size * middle;
     Probe at = probe(candidate, half.hint);
@@ -250,12 +278,15 @@ private:
         ++result_.statistics.too_near_point;
       return;
     }
-    double clearance = 0;
+    const std::array<Parent, 6> parents = find_parents(candidate, at);
+    double clearance = clearance_[p] - (candidate - origin).norm();
+    for (const Parent& parent : parents)
+      if (parent.point != no_index)
+        clearance = std::max(clearance, clearance_[parent.point] - (candidate - sites_[parent.point].point).norm());
     if (!admissible(p, candidate, at.size, clearance)) {
       ++result_.statistics.too_near_boundary;
       return;
     }
-    std::array<Parent, 6> parents = find_parents(candidate, at);
     if (options_.averaging == ParentAveraging::parents) average(p, parents, candidate, at, clearance);
 
     const index_t index = store(candidate, at, result_.generations[p] + 1, clearance);
@@ -267,8 +298,10 @@ private:
 
   /// Links p along its `direction` with q, along that axis of q which points back.
   bool connect(index_t p, std::size_t direction, index_t q, const Vector3& along) {
-    const std::size_t back = nearest_direction(result_.frames[q].toRotationMatrix(), -along);
-    return detail::connect(result_.links, p, direction, q, back);
+    const std::size_t back = nearest_direction(sites_[q].frame.toRotationMatrix(), -along);
+    if (!detail::connect(result_.links, p, direction, q, back)) return false;
+    awake_[p] = awake_[q] = 1;
+    return true;
   }
 
   std::pair<index_t, double> nearest_within_rejection(const Vector3& candidate, const Probe& at) const {
@@ -281,35 +314,45 @@ private:
     return best;
   }
 
-  /// Inside, and far enough from the boundary? Sets a lower bound of the distance to it. The exact distance is asked
-  /// for only where the bound that the parent hands down does not decide.
+  /// Inside, and far enough from the boundary?
+  ///
+  /// @param clearance  a lower bound of the distance to the boundary, negative when nothing is known; receives a better
+  ///                   one where it does not decide.
   bool admissible(index_t p, const Vector3& candidate, double size, double& clearance) const {
-    const double step = (candidate - result_.points[p]).norm(), needed = options_.boundary_distance * size;
-    clearance = clearance_[p] - step;
-    if (clearance >= needed) return true;
-    clearance = domain_.clearance(candidate, 4 * size);
+    const double step = (candidate - sites_[p].point).norm(), needed = options_.boundary_distance * size;
+    // Balls round both ends that cover the step, nearly: it does not jump across a gap.
+    const auto covered = [&] { return clearance_[p] + clearance >= 0.9 * step; };
+    if (clearance >= needed && covered()) return true;
+    clearance = domain_.clearance(candidate, clearance_reach * size);
     if (clearance < needed) return false;
-    // The balls of both ends cover the step, or its middle must be inside too: no jump across a gap.
-    if (clearance_[p] + clearance >= step) return true;
-    return domain_.clearance(0.5 * (candidate + result_.points[p]), size) > 0;
+    return covered() || domain_.clearance(0.5 * (candidate + sites_[p].point), size) > 0;
   }
 
   /// For each axis direction of the candidate the present point that the lattice expects there, within `link_distance`.
   std::array<Parent, 6> find_parents(const Vector3& candidate, const Probe& at) const {
     std::array<Parent, 6> parents;
     const double tolerance = options_.link_distance;
-    for_each_near(proximity_, candidate, at.axes, (1 + tolerance) * at.size,
-                  [&](index_t q, const Vector3& point, double) {
-                    const std::size_t direction = nearest_direction(at.axes, point - candidate);
-                    const Vector3 prediction = predicted_from(q, lattice_direction(at.axes, direction), at.size);
-                    const double miss = frame_infinity_norm(at.axes, prediction - candidate);
-                    Parent& parent = parents[direction];
-                    if (miss >= tolerance * at.size ||
-                        (parent.point != no_index && (miss > parent.miss || (miss == parent.miss && q > parent.point))))
-                      return;
-                    parent = {q, miss, prediction};
-                  });
+    for_each_local(
+        proximity_, candidate, at.axes, (1 + tolerance) * at.size,
+        [&](index_t q, const Vector3&, const Vector3& local) {
+          if (beside_axes(local.cwiseAbs(), tolerance * at.size, 0.5 * (at.size + sites_[q].size))) return;
+          const std::size_t direction = nearest_direction(local);
+          const Vector3 prediction = predicted_from(q, lattice_direction(at.axes, direction), at.size);
+          const double miss = frame_infinity_norm(at.axes, prediction - candidate);
+          Parent& parent = parents[direction];
+          if (miss >= tolerance * at.size ||
+              (parent.point != no_index && (miss > parent.miss || (miss == parent.miss && q > parent.point))))
+            return;
+          parent = {q, miss, prediction};
+        });
     return parents;
+  }
+
+  /// Is a point with these coordinates too far from every axis to be the neighbour along it? Its prediction turns by
+  /// half of the angle between its axis and the candidate's, which is at most 54.8 degrees.
+  static bool beside_axes(const Vector3& local, double tolerance, double step) {
+    const double middle = local.sum() - local.maxCoeff() - local.minCoeff();
+    return middle >= tolerance + 0.475 * step;
   }
 
   /// Moves a candidate to the mean of its parents' predictions where it may stand.
@@ -325,74 +368,82 @@ private:
     const Vector3 mean = sum / n;
     if ((mean - candidate).norm() < 1e-9 * at.size) return;
     const Probe there = probe(mean, at.hint);
-    double bound = 0;
-    if (nearest_within_rejection(mean, there).first != no_index || !admissible(p, mean, there.size, bound)) return;
+    if (nearest_within_rejection(mean, there).first != no_index) return;
+    double bound = clearance - (mean - candidate).norm();
+    if (!admissible(p, mean, there.size, bound)) return;
     candidate = mean;
     at = there;
     clearance = bound;
   }
 
-  void rebuild_proximity() {
-    proximity_ = Proximity(largest_size_);
-    for (std::size_t i = 0; i < result_.points.size(); ++i) proximity_.insert(result_.points[i], result_.sizes[i]);
-  }
-
   /// One sweep: each point in turn goes to the mean of what its lattice neighbours predict, a tenth of the size at
-  /// most, and only where it may stand.
+  /// most, and only where it may stand. Points that stand well, or were in the way of nothing that moved, rest.
   void relax() {
-    rebuild_proximity();
-    for (index_t p = static_cast<index_t>(result_.n_seeds); p < result_.points.size(); ++p) {
+    for (index_t p = static_cast<index_t>(result_.n_seeds); p < sites_.size(); ++p) {
+      if (!awake_[p]) continue;
+      awake_[p] = 0;
       Vector3 sum = Vector3::Zero();
       double n = 0;
-      const Eigen::Matrix3d axes = result_.frames[p].toRotationMatrix();
+      const Eigen::Matrix3d axes = sites_[p].frame.toRotationMatrix();
       for (std::size_t d = 0; d < 6; ++d) {
         const index_t q = result_.links[p][d];
         if (q == no_index) continue;
-        sum += predicted_from(q, lattice_direction(axes, d), result_.sizes[p]);
+        sum += predicted_from(q, lattice_direction(axes, d), sites_[p].size);
         ++n;
       }
       if (n < 2) continue;
-      Vector3 move = sum / n - result_.points[p];
-      const double longest = max_move * result_.sizes[p], length = move.norm();
-      if (length < 1e-9 * result_.sizes[p]) continue;
+      Vector3 move = sum / n - sites_[p].point;
+      const double longest = max_move * sites_[p].size, length = move.norm();
+      if (length < options_.least_move * sites_[p].size) continue;
       if (length > longest) move *= longest / length;
-      const Vector3 to = result_.points[p] + move;
-      Probe there = probe(to, hints_[p]);
-      there.axes = renumbered(there.axes, axes);  // links keep their directions
-      there.frame = Quaternion(there.axes);
-      double clearance = 0;
-      if (!may_move(p, to, there) || !admissible(p, to, there.size, clearance)) continue;
-      result_.points[p] = to;
-      result_.frames[p] = there.frame;
-      result_.sizes[p] = there.size;
-      result_.smoothness[p] = there.smoothness;
-      hints_[p] = there.hint;
-      clearance_[p] = clearance;
+      if (!move_to(p, sites_[p].point + move, axes)) continue;
+      awake_[p] = 1;
+      for (const index_t q : result_.links[p])
+        if (q != no_index) awake_[q] = 1;
     }
+  }
+
+  bool move_to(index_t p, const Vector3& to, const Eigen::Matrix3d& axes) {
+    Probe there = probe(to, hints_[p]);
+    there.axes = renumbered(there.axes, axes);  // links keep their directions
+    double clearance = clearance_[p] - (to - sites_[p].point).norm();
+    if (!may_move(p, to, there) || !admissible(p, to, there.size, clearance)) return false;
+    sites_[p].point = to;
+    sites_[p].frame = Quaternion(there.axes);
+    sites_[p].size = there.size;
+    result_.smoothness[p] = there.smoothness;
+    hints_[p] = there.hint;
+    clearance_[p] = clearance;
+    proximity_.move(p, to);
+    moved_[p] = 1;
+    return true;
   }
 
   /// Where q expects its neighbour from which it lies in direction `out`, by the mean of the axes at both ends: second
   /// order, as the midpoint rule.
   Vector3 predicted_from(index_t q, const Vector3& out, double size) const {
-    const Eigen::Matrix3d axes = result_.frames[q].toRotationMatrix();
+    const Eigen::Matrix3d axes = sites_[q].frame.toRotationMatrix();
     const Vector3 along = (lattice_direction(axes, nearest_direction(axes, -out)) - out).normalized();
-    return result_.points[q] + 0.5 * (size + result_.sizes[q]) * along;
+    return sites_[q].point + 0.5 * (size + sites_[q].size) * along;
   }
 
+  /// The rule, in the frame and size of the point and in those of every neighbour: however two frames are turned, the
+  /// infinity norm of one is at least the length over the root of 3.
   bool may_move(index_t p, const Vector3& to, const Probe& there) const {
+    const double least = rejection_ * there.size;
+    const Vector3 half = Vector3::Constant(std::numbers::sqrt3 * least);
     bool free = true;
-    for_each_near(
-        proximity_, to, there.axes, (rejection_ + 3 * max_move) * there.size, [&](index_t q, const Vector3&, double) {
-          if (q == p || !free) return;
-          const Vector3 offset = result_.points[q] - to;  // q may have moved since the search structure was built
-          if (frame_infinity_norm(there.axes, offset) < rejection_ * there.size ||
-              frame_infinity_norm(result_.frames[q].toRotationMatrix(), offset) < rejection_ * result_.sizes[q])
-            free = false;
-        });
+    proximity_.for_each_in_box(to - half, to + half, [&](index_t q, const Vector3& point) {
+      if (!free || q == p) return;
+      const Vector3 offset = point - to;
+      free = frame_infinity_norm(there.axes, offset) >= least &&
+             frame_infinity_norm(sites_[q].frame.toRotationMatrix(), offset) >= rejection_ * sites_[q].size;
+    });
     return free;
   }
 
-  static constexpr double max_move = 0.1;  // in sizes
+  static constexpr double clearance_reach = 8;  // sizes; a longer search gives a bound that serves more points
+  static constexpr double max_move = 0.1;       // of a sweep, in sizes
   static constexpr std::uint8_t none = 255;
 
   const Frames& frames_;
@@ -403,9 +454,12 @@ private:
   double rejection_;
   double estimate_ = 0, largest_size_ = 0;
   Proximity proximity_;
-  VolumeInsertion result_;
+  std::vector<Site> sites_;
+  VolumeInsertion result_;             // but for what the sites hold
   std::vector<double> clearance_;      // lower bound of the distance to the boundary
   std::vector<index_t> hints_;         // where the frame source found the point
+  std::vector<std::uint8_t> moved_;    // since it last proposed
+  std::vector<std::uint8_t> awake_;    // may have to move: itself or a lattice neighbour is new or has moved
   std::vector<std::uint8_t> outward_;  // of a seed: the direction that leaves the domain
 };
 
@@ -424,7 +478,7 @@ using FifoInserter = VolumeInserter<FifoOrder, Frames, Size, D, Proximity>;
 /// @param size    wished distance between neighbours, host's unit; asked for up to one size outside the domain.
 /// @param domain  distance to the boundary, e.g. `SurfaceDomain`.
 /// @throws as `VolumeInserter`.
-/// @par Complexity   O(n) proposals, each of one or two frame samples and a search; about 200 bytes a point.
+/// @par Complexity   O(n) proposals, each of one or two frame samples and a search; about 300 bytes a point.
 template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, FrameSource Frames,
           detail::SizeCallable Size, Domain D>
 VolumeInsertion insert_volume_points(std::span<const BoundarySeed> seeds, const Frames& frames, const Size& size,
