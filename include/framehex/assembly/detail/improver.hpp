@@ -37,6 +37,7 @@ public:
     }
     fraction_ = first + (1 - first) * 0.8;
     smooth(5, true);
+    widen();
     for (const double quality : {0.6, 0.4}) {
       if (!replace_stubborn(quality, false)) continue;
       smooth(3, true);
@@ -46,6 +47,43 @@ public:
       smooth(3, true);
       reconnect();
       smooth(3, true);
+    }
+    widen();
+  }
+
+  /// Works on all cells near the worst ones too: these are stuck because those have no room to give.
+  void widen() {
+    double before = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < 4; ++round) {
+      collect();
+      double energy = 0;
+      std::vector<index_t> vertices;
+      for (const Bad& b : bad_) {
+        if (b.worst >= stuck) break;
+        energy += QualityEnergy::penalty(b.worst);
+        for (const index_t v : complex_.corners(b.cell))
+          complex_.for_each_cell_at(v, [&](index_t cell) {
+            for (const index_t w : complex_.corners(cell)) vertices.push_back(w);
+          });
+      }
+      if (vertices.empty() || energy > 0.9 * before) return;
+      before = energy;
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+      for (int sweep = 0; sweep < 3; ++sweep)
+        for (const index_t v : vertices) {
+          if (!pulse_.beat(fraction_)) return;
+          smoother_.smooth(v, 0.0);
+        }
+      std::vector<index_t> cells;
+      for (const index_t v : vertices) complex_.for_each_cell_at(v, [&](index_t cell) { cells.push_back(cell); });
+      std::sort(cells.begin(), cells.end());
+      cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+      for (const index_t cell : cells) {
+        double worst = std::numeric_limits<double>::infinity();
+        if (!pulse_.beat(fraction_)) return;
+        if (complex_.cells[cell].alive && energy_.of(complex_, cell, worst) > 0) reconnector_.improve(cell);
+      }
     }
   }
 
@@ -127,6 +165,8 @@ private:
     });
     return found;
   }
+
+  static constexpr double stuck = 0.7;  ///< over the target
 
   CellComplex& complex_;
   QualityEnergy energy_;

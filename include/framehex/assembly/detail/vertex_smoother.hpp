@@ -17,8 +17,11 @@ public:
   VertexSmoother(CellComplex& complex, const QualityEnergy& energy, Projection projection)
       : complex_(complex), energy_(energy), projection_(std::move(projection)) {}
 
+  static constexpr double little_energy = 1e-3;  ///< of one corner at 0.82 of its target
+
+  /// @param enough  energy that is left as it is.
   /// @return whether the vertex moved.
-  bool smooth(index_t vertex) {
+  bool smooth(index_t vertex, double enough = little_energy) {
     if (complex_.unused(vertex)) return false;
     const bool bound = complex_.on_boundary[vertex] != 0 || complex_.is_protected[vertex] != 0;
     if (bound && !projection_) return false;
@@ -28,7 +31,7 @@ public:
     double worst = -std::numeric_limits<double>::infinity();
     double energy = evaluate(place, std::numeric_limits<double>::infinity(), worst);
     double damping = 1e-3;
-    for (int iteration = 0; iteration < max_iterations && energy > little_energy; ++iteration) {
+    for (int iteration = 0; iteration < max_iterations && energy > enough; ++iteration) {
       Vector3 gradient;
       Eigen::Matrix3d hessian;
       differentiate(place, gradient, hessian);
@@ -59,7 +62,6 @@ public:
 
 private:
   static constexpr int max_iterations = 6;
-  static constexpr double little_energy = 1e-3;  ///< of one corner at 0.82 of its target
 
   /// A corner at the vertex that moves and the ends of its three edges.
   struct Corner {
