@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/verify/boundary_deviation.hpp"
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/kuhn_lattice.hpp"
@@ -61,6 +62,25 @@ TEST_CASE("the result is the same for any number of threads, and for a second ru
     CHECK(again.kinds == once.kinds);
     CHECK(again.cells.values == once.cells.values);
   }
+}
+
+TEST_CASE("boundary vertices may slide, and the mesh fills the surface to its corners as without") {
+  const Vector3 sides(3, 2.2, 1.7);
+  const IndexedTriangleMesh surface = box(sides, 0.3);
+  const auto mesh_of = [&](bool slides) {
+    MeshingOptions options;
+    if (!slides) options.recombination.assembly.boundary_projection = [](index_t, Vector3&) { return false; };
+    return mesh_surface(surface, Constant{0.4}, TetgenProcess{}, options).recombination.mesh;
+  };
+  const MixedMesh mesh = mesh_of(true), fixed = mesh_of(false);
+  CHECK(verify::is_conforming(mesh));
+  CHECK(verify::is_valid(mesh));
+  CHECK(verify::volume(mesh).cells == Approx(sides.prod()).epsilon(1e-9));
+  const auto deviation = verify::boundary_deviation(mesh, surface);
+  CHECK(deviation.mesh_to_surface_max < 1e-9);
+  CHECK(deviation.surface_to_mesh_max < 1e-9);
+  CHECK(mesh.edges.size() == fixed.edges.size());
+  CHECK(mesh.faces.size() == fixed.faces.size());
 }
 
 TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
