@@ -16,7 +16,8 @@ namespace framehex {
 ///
 /// `push(index, smoothness, generation)` adds a point (generation: steps from the seeds; smoothness: 1 where the frame
 /// field is constant), `pop()` takes the next index out, `empty()` says whether there is one. `default_rejection` is
-/// the least distance between points in the infinity norm, in units of the size, that suits the order.
+/// the least distance between points in the infinity norm, in units of the size, that suits the order;
+/// `default_surface_rejection`, where there is one, the same for surfaces.
 template <class Q>
 concept InsertionOrder = std::copyable<Q> && requires(Q queue, const Q& constant, index_t i, double smoothness) {
   queue.push(i, smoothness, i);
@@ -56,6 +57,7 @@ private:
 class SmoothnessOrder {
 public:
   static constexpr double default_rejection = 0.6;
+  static constexpr double default_surface_rejection = 0.65;
 
   /// @param n_bins  bins of the smoothness interval [0, 1], 1 to 255; a negative smoothness falls into the lowest.
   /// @throws invalid_option  when `n_bins` is out of range.
@@ -81,6 +83,19 @@ private:
   int n_bins_;
   std::priority_queue<std::uint64_t, std::vector<std::uint64_t>, std::greater<>> queue_;
 };
+
+namespace detail {
+
+template <InsertionOrder Order>
+constexpr double surface_rejection() {
+  if constexpr (requires { Order::default_surface_rejection; }) {
+    return Order::default_surface_rejection;
+  } else {
+    return Order::default_rejection;
+  }
+}
+
+}  // namespace detail
 
 static_assert(InsertionOrder<FifoOrder>);
 static_assert(InsertionOrder<SmoothnessOrder>);

@@ -54,7 +54,7 @@ public:
         size_(size),
         options_(std::move(options)),
         queue_(std::move(order)),
-        rejection_(options_.rejection.value_or(Order::default_rejection)),
+        rejection_(options_.rejection.value_or(detail::surface_rejection<Order>())),
         walker_(surface, adjacency, features.is_feature),
         cross_(surface, adjacency, walker_, frames, smoothness),
         proximity_(1.0) {
