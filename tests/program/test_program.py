@@ -429,11 +429,13 @@ class TestMeshBox(Case):
 
 
 class TestMeshBunny(Case):
-    """A coarse bunny: the whole way, judged by another reader."""
+    """The whole way at its defaults, judged by another reader."""
 
-    def test_mesh(self):
-        size = ["--size", "0.6", "--gap", "0.5"]
-        result = self.run_program("mesh", BUNNY, "-o", self.path("out.vtu"), "--report", self.path("out.json"), *size)
+    SIZE = ["--size", "0.26"]
+
+    def mesh_and_judge(self, *variant):
+        result = self.run_program("mesh", BUNNY, "-o", self.path("out.vtu"), "--report", self.path("out.json"),
+                                  *self.SIZE, *variant)
         self.assertEqual(result.returncode, 0, result)
         self.assertEqual(result.stderr, "")
         found = audit(self.path("out.vtu"))
@@ -443,20 +445,27 @@ class TestMeshBunny(Case):
             self.assertEqual(found["counts"].get(kind, 0), report["counts"][name])
         self.assertGreater(found["least_volume"], 0)
         self.assertEqual(found["used_over_twice"], 0)
-        # The size is more than the ears are thick: what the facets cut off shows in the volume.
-        self.assertAlmostEqual(found["volume"] / 194.29, 1, delta=0.04)
+        self.assertAlmostEqual(found["volume"] / 194.29, 1, delta=0.01)
         self.assertEqual(report["conformity"]["open_quads"], 0)
         self.assertEqual(report["quality"]["invalid_cells"], [])
-        self.assertGreater(report["hex_ratio"]["volume"], 0.25)
+        return report
+
+    def test_at_the_defaults(self):
+        report = self.mesh_and_judge()
+        self.assertGreater(report["hex_ratio"]["volume"], 0.55)
         self.assertLessEqual(report["selection"]["gap_percent"], 0.5)
         for key in ("smoothness_mean", "fraction_smooth", "dirichlet_energy", "singular_edges"):
             self.assertIn(key, report["field"])
-
-        # The same files from another run, with other threads, and in the other formats the same cells.
-        again = self.run_program("mesh", BUNNY, "-o", self.path("again.vtu"), "--threads", "1", "--quiet", *size)
+        # The same file from another run, with other threads.
+        again = self.run_program("mesh", BUNNY, "-o", self.path("again.vtu"), "--threads", "1", "--quiet", *self.SIZE)
         self.assertEqual((again.returncode, again.stdout, again.stderr), (0, "", ""))
         self.assertTrue(filecmp.cmp(self.path("out.vtu"), self.path("again.vtu"), shallow=False))
         self.assertEqual(len(list(self.folder.iterdir())), 3)
+
+    def test_smoothness_order_is_ahead(self):
+        first = self.mesh_and_judge("--field", "nearest", "--order", "fifo")
+        second = self.mesh_and_judge("--field", "smoothed", "--order", "smoothness")
+        self.assertGreater(second["hex_ratio"]["volume"], first["hex_ratio"]["volume"])
 
 
 class TestInterruption(Case):
@@ -475,7 +484,7 @@ class TestInterruption(Case):
             seconds = time.monotonic() - start
             self.assertEqual(process.returncode, 130, err)
             self.assertEqual((out, err), ("", "framehex: interrupted\n"))
-            self.assertLess(seconds, 2)  # a second, and another for a machine that is busy otherwise
+            self.assertLess(seconds, 1)
             self.assertEqual(list(self.folder.iterdir()), [])
 
 

@@ -14,7 +14,7 @@ namespace framehex {
 /// Spans must outlive the call only.
 struct RecombineOptions {
   HexFinderOptions finder = {};  ///< its labels, adjacency and observer are set from those below
-  SelectOptions selection = {.max_passes = 30, .exact_below = 2000};
+  SelectOptions selection = {.max_passes = 45, .exact_below = 2000};
   AssemblyOptions assembly = {};             ///< its labels and observer are set from those below
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
