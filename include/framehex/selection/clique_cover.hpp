@@ -267,24 +267,19 @@ CliqueCover cover_by_partitions(const IncompatibilityGraph& graph, std::uint64_t
 ///
 /// @par Complexity  O(n d) for the mean degree d.
 inline std::int64_t partition_bound(const IncompatibilityGraph& graph) {
+  detail::CliqueGrower grower(graph);
   std::vector<std::uint8_t> used(graph.size(), 0);
-  std::vector<index_t> open, kept;
+  std::vector<index_t> clique;
   std::int64_t bound = 0;
-  const auto weights = graph.weights_in_units();
   for (index_t v = 0; v < graph.size(); ++v) {
     if (used[v]) continue;
-    std::int64_t dearest = weights[v];
-    open.clear();
-    for (const index_t u : graph.neighbours(v))
-      if (!used[u]) open.push_back(u);
-    while (!open.empty()) {
-      const index_t u = open.front();
+    clique.assign(1, v);
+    grower.extend(
+        clique, [](index_t) { return 0; }, [&](index_t u) { return !used[u]; });
+    std::int64_t dearest = 0;
+    for (const index_t u : clique) {
       used[u] = 1;
-      dearest = std::max(dearest, weights[u]);
-      const auto row = graph.neighbours(u);
-      kept.clear();
-      std::set_intersection(open.begin(), open.end(), row.begin(), row.end(), std::back_inserter(kept));
-      open.swap(kept);
+      dearest = std::max(dearest, graph.weights_in_units()[u]);
     }
     bound += dearest;
   }

@@ -49,12 +49,14 @@ public:
     std::int64_t weight = weight_in_units(graph_, result.members);
     if (weight < bound && !deadline_.passed()) {
       IteratedSearch search(graph_, result.members, options_.seed);
-      std::vector<index_t> places(graph_.size());
-      std::iota(places.begin(), places.end(), index_t{0});
-      perturb(search, places, graph_.size() / 16 + 1);
       // Where lattices do not meet, greedy is hard to beat.
       if (!deadline_.passed()) search.offer(select_greedily(graph_));
-      if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
+      if (search.weight_in_units() < bound) {
+        std::vector<index_t> places(graph_.size());
+        std::iota(places.begin(), places.end(), index_t{0});
+        perturb(search, places, graph_.size() / 16 + 1);
+        if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
+      }
       result.members = search.members();
       weight = search.weight_in_units();
       result.iterations = n_iterations_ + search.iterations();
@@ -173,9 +175,11 @@ Selection select(const IncompatibilityGraph& graph, const SelectOptions& options
   selection.members = select_greedily(graph);
   const std::int64_t weight = detail::weight_in_units(graph, selection.members);
   selection.weight = detail::from_units(graph, weight);
-  selection.bound = detail::from_units(graph, std::max(weight, partition_bound(graph)));
-  if (selection.weight == selection.bound) selection.status = SelectionStatus::optimal;
-  if (selection.status == SelectionStatus::optimal || options.method == SelectMethod::greedy) return selection;
+  if (options.method == SelectMethod::greedy) {
+    selection.bound = detail::from_units(graph, std::max(weight, partition_bound(graph)));
+    if (selection.weight == selection.bound) selection.status = SelectionStatus::optimal;
+    return selection;
+  }
   // Searched under numbers of its own, so that the caller's do not matter.
   const std::vector<index_t> order = detail::canonical_order(graph);
   const IncompatibilityGraph renumbered = detail::renumber(graph, order);
