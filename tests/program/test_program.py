@@ -205,6 +205,9 @@ class TestBadSurfaces(Case):
         both = points + other
         write_stl(self.path("touching.stl"), both, triangles + [tuple(i + 8 for i in t) for t in triangles])
         self.check_refused(self.mesh("touching.stl"), self.path("touching.stl"), "edge", "more than two")
+        other, _ = box(origin=(1, 1, 1))
+        write_stl(self.path("corner.stl"), points + other, triangles + [tuple(i + 8 for i in t) for t in triangles])
+        self.check_refused(self.mesh("corner.stl"), self.path("corner.stl"), "touches itself at vertex")
         write_stl(self.path("fan.stl"), points + [(2, 2, 2)], triangles + [(0, 1, 8)])
         self.check_refused(self.mesh("fan.stl"), self.path("fan.stl"), "edge")
         write_stl(self.path("flat.stl"), [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)])
@@ -411,6 +414,21 @@ class TestMeshBox(Case):
                 result = self.mesh("box.stl", "--size", "0.25", "--field", field, "--order", order)
                 self.assertEqual(result.returncode, 0, result)
                 self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 128})
+
+    def test_cavities_stay_empty(self):
+        points, triangles = box((4, 4, 4))
+        for size, origin, volume, more in (((2, 2, 2), (1, 1, 1), 56, False), ((2, 1, 1), (1, 1, 1), 62.125, True)):
+            inner, _ = box(size, origin)
+            all_points, all_triangles = points + inner, triangles + [tuple(i + 8 for i in t) for t in triangles]
+            if more:  # a body within the cavity
+                all_points = all_points + box((0.5, 0.5, 0.5), (1.5, 1.25, 1.25))[0]
+                all_triangles += [tuple(i + 16 for i in t) for t in triangles]
+            write_stl(self.path("box.stl"), all_points, all_triangles)
+            result = self.mesh("box.stl", "--size", "0.5", "--select", "greedy")
+            self.assertEqual(result.returncode, 0, result)
+            found = audit(self.path("out.vtu"))
+            self.assertAlmostEqual(found["volume"], volume)
+            self.assertGreater(found["least_volume"], 0)
 
     def test_triangles_of_mixed_orientation_are_turned_and_it_says_so(self):
         points, triangles = box()

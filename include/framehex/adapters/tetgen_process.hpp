@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 extern char** environ;
@@ -68,11 +69,46 @@ inline void write_nodes(const std::filesystem::path& path, std::span<const Vecto
   finish(std::move(file), path);
 }
 
-inline void write_facets(const std::filesystem::path& path, std::span<const std::array<index_t, 3>> triangles) {
+/// A point in each cavity: TetGen fills what it is not told to leave empty. The shell of a cavity encloses a negative
+/// volume; the point lies just outside the body at the middle of its largest triangle.
+inline std::vector<Vector3> points_in_cavities(std::span<const Vector3> points,
+                                               std::span<const std::array<index_t, 3>> triangles) {
+  std::vector<index_t> shell(points.size());
+  std::iota(shell.begin(), shell.end(), index_t{0});
+  const auto root = [&](index_t v) {
+    while (shell[v] != v) v = shell[v] = shell[shell[v]];
+    return v;
+  };
+  for (const auto& t : triangles)
+    for (const index_t v : {t[1], t[2]}) shell[std::max(root(t[0]), root(v))] = std::min(root(t[0]), root(v));
+  std::vector<double> volume(points.size(), 0.0), largest(points.size(), 0.0);
+  std::vector<Vector3> beside(points.size());
+  for (const auto& t : triangles) {
+    const Vector3 &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+    const index_t s = root(t[0]);
+    // From a corner of the shell itself, which keeps the digits.
+    volume[s] += (a - points[s]).dot((b - points[s]).cross(c - points[s]));
+    const Vector3 normal = (b - a).cross(c - a);
+    if (normal.norm() <= largest[s]) continue;
+    largest[s] = normal.norm();
+    beside[s] = (a + b + c) / 3 + 0.01 * normal / std::sqrt(normal.norm());
+  }
+  std::vector<Vector3> inside;
+  for (std::size_t s = 0; s < points.size(); ++s)
+    if (volume[s] < 0) inside.push_back(beside[s]);
+  return inside;
+}
+
+inline void write_facets(const std::filesystem::path& path, std::span<const Vector3> points,
+                         std::span<const std::array<index_t, 3>> triangles) {
   File file = open_file(path, "w");
   std::fprintf(file.get(), "0 3 0 0\n%zu 0\n", triangles.size());
   for (const auto& t : triangles) std::fprintf(file.get(), "3 %u %u %u\n", t[0], t[1], t[2]);
-  std::fprintf(file.get(), "0\n0\n");
+  const std::vector<Vector3> holes = points_in_cavities(points, triangles);
+  std::fprintf(file.get(), "%zu\n", holes.size());
+  for (std::size_t i = 0; i < holes.size(); ++i)
+    std::fprintf(file.get(), "%zu %.17g %.17g %.17g\n", i, holes[i][0], holes[i][1], holes[i][2]);
+  std::fprintf(file.get(), "0\n");
   finish(std::move(file), path);
 }
 
@@ -173,7 +209,7 @@ struct TetgenProcess {
     const auto file = [&](const char* name) { return folder.path() / name; };
     // All points in one file: given apart, to be inserted afterwards (switch i), they make TetGen crash now and then.
     detail::write_nodes(file("surface.node"), request.points);
-    detail::write_facets(file("surface.smesh"), request.triangles);
+    detail::write_facets(file("surface.smesh"), request.points, request.triangles);
     const int exit =
         detail::run_process({program, switches, file("surface.smesh").string()}, file("log"), request.observer);
     if (exit == -1) return {.tets = {}, .extra_points = {}, .status = Status::cancelled};
@@ -195,7 +231,8 @@ private:
     std::array<index_t, 3> a{}, b{};
     if (at == std::string::npos || std::sscanf(log.c_str() + at, "at triangles: ( %u, %u, %u) and ( %u, %u, %u", &a[0],
                                                &a[1], &a[2], &b[0], &b[1], &b[2]) != 6)
-      throw tetrahedralization_error("tetgen failed on a surface in which it finds no triangles that cross");
+      throw invalid_surface(
+          "tetgen refuses the surface, but names no triangles that cross: parts of it may touch or coincide");
     const std::size_t i = triangle_of(request, a), j = triangle_of(request, b);
     throw invalid_surface("the surface crosses itself at triangles " + std::to_string(i) + " and " + std::to_string(j),
                           Entity::triangle, {i, j});

@@ -93,7 +93,8 @@ inline void check_boundary(const IndexedTetMesh& mesh, std::span<const std::arra
   const auto& t = missing.front();
   throw tetrahedralization_error("tetrahedraliser: " + std::to_string(missing.size()) +
                                      " surface triangles were lost, the first is (" + std::to_string(t[0]) + ", " +
-                                     std::to_string(t[1]) + ", " + std::to_string(t[2]) + ")",
+                                     std::to_string(t[1]) + ", " + std::to_string(t[2]) +
+                                     ") of the surface's own samples; does it cross itself?",
                                  Entity::vertex, {t[0], t[1], t[2]});
 }
 

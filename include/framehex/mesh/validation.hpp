@@ -91,7 +91,29 @@ void validate(const M& mesh) {
   validated_adjacency(mesh);
 }
 
-/// Checks that a surface is closed, edge-manifold and consistently oriented.
+namespace detail {
+
+/// @throws nonmanifold  with a vertex whose triangles are not one fan. @pre closed.
+inline void check_fans(const TriangleAdjacency& adjacency) {
+  for (index_t v = 0; v < adjacency.n_vertices(); ++v) {
+    const auto around = adjacency.triangles_of_vertex[v];
+    if (around.empty()) continue;
+    index_t first = 3 * around[0];
+    while (adjacency.from(first) != v) ++first;
+    std::size_t n_reached = 0;
+    index_t h = first;
+    do {
+      ++n_reached;
+      h = adjacency.opposite[TriangleAdjacency::previous(h)];
+    } while (h != first);
+    if (n_reached != around.size())
+      throw nonmanifold("the surface touches itself at vertex " + std::to_string(v), Entity::vertex, {v});
+  }
+}
+
+}  // namespace detail
+
+/// Checks that a surface is closed, manifold at its edges and vertices, and consistently oriented.
 ///
 /// @throws invalid_coordinate, invalid_connectivity, nonmanifold, open_surface; with the first offender in the order of
 /// the mesh.
@@ -107,6 +129,7 @@ void validate_closed(const M& mesh) {
       throw open_surface("the surface is open along edge (" + std::to_string(adjacency.from(h)) + ", " +
                              std::to_string(adjacency.to(h)) + ")",
                          Entity::edge, {adjacency.from(h), adjacency.to(h)});
+  detail::check_fans(adjacency);
 }
 
 }  // namespace framehex
