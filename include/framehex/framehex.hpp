@@ -9,6 +9,7 @@
 #include "framehex/executor.hpp"
 #include "framehex/observer.hpp"
 #include "framehex/version.hpp"
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/geometry/cell_kinds.hpp"
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/geometry/quality.hpp"

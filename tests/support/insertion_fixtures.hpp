@@ -13,6 +13,13 @@
 
 namespace framehex::test {
 
+/// The middle one, the upper of two. @pre not empty.
+inline double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// The same frame everywhere.
 struct ConstantFrames {
   struct Sample {

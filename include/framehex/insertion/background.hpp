@@ -3,6 +3,7 @@
 
 #include "framehex/errors.hpp"
 #include "framehex/executor.hpp"
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 #include <algorithm>
@@ -21,16 +22,11 @@ namespace framehex {
 /// @par Complexity   O(n).
 inline void check_background_edge(const IndexedTriangleMesh& surface, double edge, double max_points) {
   if (!(edge > 0) || !std::isfinite(edge)) throw invalid_option("the background edge must be positive and finite");
-  Vector3 low = surface.points.front(), high = low;
-  for (const Vector3& p : surface.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
   double area = 0;
   for (const auto& t : surface.triangles)
     area +=
         0.5 * (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]).norm();
-  const Vector3 cubes = (high - low) / edge + Vector3::Ones();
+  const Vector3 cubes = bounding_box(surface.points).sizes() / edge + Vector3::Ones();
   // Two points a cube; equilateral triangles of that edge cover its square 2.3 times.
   const double n = std::max(2 * cubes.prod(), 2.3 * area / (edge * edge));
   if (n <= max_points) return;
@@ -55,12 +51,8 @@ template <Executor E = SerialExecutor>
 std::vector<Vector3> background_points(const IndexedTriangleMesh& surface, const SurfaceLocator& locator, double edge,
                                        const E& executor = {}, double max_points = 2e7) {
   check_background_edge(surface, edge, max_points);
-  Vector3 low = surface.points.front(), high = low;
-  for (const Vector3& p : surface.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Vector3 extent = (high - low) / edge;
+  const Eigen::AlignedBox3d box = bounding_box(surface.points);
+  const Vector3 low = box.min(), extent = box.sizes() / edge;
 
   // Layers at half-cube heights; every second one is shifted by half a cube.
   const auto n_layers = static_cast<std::size_t>(2 * extent.z()) + 1;

@@ -4,6 +4,7 @@
 #include "framehex/assembly/boundary_slider.hpp"
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/field/singular_graph.hpp"
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/background.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/estimate.hpp"
@@ -128,13 +129,9 @@ private:
   /// Sizes that ask for too much are refused before anything is made of them.
   void check_sizes(const IndexedTriangleMesh& input) const {
     check_estimate("surface", estimate_surface_points(input, size_).n_points, options_.surface.max_points);
-    Vector3 low = input.points.front(), high = low;
-    for (const Vector3& p : input.points) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
+    const Eigen::AlignedBox3d box = bounding_box(input.points);
     const SurfaceLocator locator(input);
-    const PointEstimate volume = estimate_volume_points(low, high, SurfaceDomain{locator}, size_);
+    const PointEstimate volume = estimate_volume_points(box.min(), box.max(), SurfaceDomain{locator}, size_);
     check_estimate("volume", volume.n_points, options_.volume.max_points);
     check_background_edge(input, background_edge(input), options_.max_background_points);
   }
@@ -253,9 +250,8 @@ private:
 
   /// Keeps boundary vertices on the input as it was given. Those that do not lie on it stay where they are.
   BoundarySlider boundary_slider(std::span<const LabelledEdge> edges) const {
-    Eigen::AlignedBox3d box;
-    for (const Vector3& p : input_->points) box.extend(p);
-    return BoundarySlider(*input_, input_features_, tets_.points, edges, 1e-6 * box.diagonal().norm());
+    const double tolerance = 1e-6 * bounding_box(input_->points).diagonal().norm();
+    return BoundarySlider(*input_, input_features_, tets_.points, edges, tolerance);
   }
 
   void sample_field() {

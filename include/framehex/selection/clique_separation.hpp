@@ -39,7 +39,7 @@ public:
       for (const index_t u : clique_) ++n_found_[u];
       grower_.extend(clique_, [&](index_t u) { return reduced[u]; });
       std::sort(clique_.begin(), clique_.end());
-      if (effort == Effort::thorough && !known.insert(clique_).second) continue;
+      if (!known.insert(clique_).second) continue;
       found.values.insert(found.values.end(), clique_.begin(), clique_.end());
       found.end_row();
     }
