@@ -95,8 +95,8 @@ TEST_CASE("Hexahedra at a vertex with 512 tetrahedra and an edge with 500") {
 }
 
 TEST_CASE("Edges with many tetrahedra hide no hexahedra") {
-  // By the symmetry of the bands the number grows by one constant from each n to the next, below and above the valence
-  // at which quadrilaterals are combined in another order.
+  // By the symmetry of the bands the number grows by one constant from each n to the next, below and above the
+  // number of tetrahedra round an edge from which only triangles in reach of one another make quadrilaterals.
   const auto count = [](index_t n) {
     return find_potential_hexahedra(test::banded_star(n), {.quality_floor = 1e-4}).size();
   };

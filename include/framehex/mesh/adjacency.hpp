@@ -10,6 +10,7 @@
 #include <array>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace framehex {
@@ -22,14 +23,14 @@ Csr<index_t> vertex_neighbours(const std::vector<std::array<index_t, Corners>>& 
                                const Csr<index_t>& cells_of_vertex) {
   Csr<index_t> graph;
   graph.offsets.reserve(cells_of_vertex.offsets.size());
-  std::vector<index_t> ring;
-  for (std::size_t v = 0; v < cells_of_vertex.size(); ++v) {
+  std::vector<index_t> ring, last_seen_by(cells_of_vertex.size(), no_index);
+  for (index_t v = 0; v < cells_of_vertex.size(); ++v) {
     ring.clear();
+    last_seen_by[v] = v;
     for (const index_t cell : cells_of_vertex[v])
       for (const index_t w : cells[cell])
-        if (w != v) ring.push_back(w);
+        if (std::exchange(last_seen_by[w], v) != v) ring.push_back(w);
     std::sort(ring.begin(), ring.end());
-    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
     graph.values.insert(graph.values.end(), ring.begin(), ring.end());
     graph.end_row();
   }
@@ -88,11 +89,16 @@ TetAdjacency make_adjacency(const M& mesh) {
   std::vector<Facet> facets;
   for (std::size_t v = 0; v < a.n_vertices(); ++v) {
     facets.clear();
-    for (const index_t tet : a.tets_of_vertex[v])
-      for (int face = 0; face < 4; ++face) {
-        const auto key = detail::sorted(facet(a.tets[tet], face));
-        if (key[0] == v) facets.push_back({key[1], key[2], tet, static_cast<std::uint8_t>(face)});
+    for (const index_t tet : a.tets_of_vertex[v]) {
+      const auto& corners = a.tets[tet];
+      std::array<std::uint8_t, 3> others{};
+      for (std::uint8_t i = 0, n = 0; i < 4; ++i)
+        if (corners[i] != v) others[n++] = i;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [mid, high] = std::minmax(corners[others[(i + 1) % 3]], corners[others[(i + 2) % 3]]);
+        if (mid > v) facets.push_back({mid, high, tet, others[i]});
       }
+    }
     std::sort(facets.begin(), facets.end(), [](const Facet& x, const Facet& y) {
       return std::tie(x.mid, x.high, x.tet) < std::tie(y.mid, y.high, y.tet);
     });

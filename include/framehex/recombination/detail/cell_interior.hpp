@@ -4,6 +4,7 @@
 #include "framehex/recombination/detail/finder_input.hpp"
 
 #include <bit>
+#include <bitset>
 
 namespace framehex::detail {
 
@@ -61,7 +62,22 @@ public:
   using Vertices = std::array<index_t, static_cast<std::size_t>(Corners)>;
 
   explicit CellInterior(const FinderInput& input)
-      : input_(&input), corner_set_(input.adjacency().n_vertices(), std::uint8_t{0}) {}
+      : input_(&input),
+        corner_set_(input.adjacency().n_vertices(), std::uint8_t{0}),
+        place_(input.adjacency().n_vertices(), std::uint8_t{0}) {}
+
+  /// Prepares for cells whose corner 0 is `a`; without it they only take longer.
+  void start_from(index_t a) {
+    const TetAdjacency& adjacency = input_->adjacency();
+    if (first_ != no_index)
+      for (const index_t w : input_->links().neighbours(first_)) place_[w] = 0;
+    around_.clear();
+    const auto ring = input_->links().neighbours(a);
+    first_ = ring.size() < 64 ? a : no_index;
+    if (first_ == no_index) return;
+    for (std::size_t i = 0; i < ring.size(); ++i) place_[ring[i]] = static_cast<std::uint8_t>(i + 1);
+    for (const index_t tet : adjacency.tets_of_vertex[a]) around_.push_back(places_of(adjacency.tets[tet]));
+  }
 
   /// @return whether the cell is full of tetrahedra and keeps the rules; `tets` and `slivers` then hold them.
   bool fill(const Vertices& vertices) {
@@ -92,11 +108,12 @@ private:
     std::uint8_t all;
 
     OnCorners kind() const { return triangles.tet[all]; }
+    std::size_t facet(std::size_t i) const { return all & ~unsigned{corner[i]}; }  ///< corners opposite corner i
   };
 
   /// The triangle of the cell's faces opposite corner i that the flood stops at, or -1.
   int wall(const Tet& t, std::size_t i) const {
-    const int triangle = triangles.of_corners[static_cast<unsigned>(t.all & ~t.corner[i])];
+    const int triangle = triangles.of_corners[t.facet(i)];
     return triangle >= 0 && (walls_ >> triangle & 1) != 0 ? triangle : -1;
   }
 
@@ -107,20 +124,41 @@ private:
     return t;
   }
 
-  /// A tetrahedron inside, at a vertex with few: it has a triangle of the cell's faces, seen from inside.
+  /// The set of places of some vertices among the neighbours of `first_`; bit 0 is for those elsewhere.
+  template <std::size_t N>
+  std::uint64_t places_of(const std::array<index_t, N>& vertices) const {
+    std::uint64_t places = 0;
+    for (const index_t v : vertices) places |= std::uint64_t{1} << place_[v];
+    return places;
+  }
+
+  /// A tetrahedron inside that has a triangle of the cell's faces: at corner 0, or at a vertex with few.
   index_t find_start(const Vertices& vertices) const {
-    const TetAdjacency& a = input_->adjacency();
-    index_t v = vertices[0];
-    if (a.tets_of_vertex[v].size() > 40)
-      v = *std::ranges::min_element(vertices, {}, [&](index_t w) { return a.tets_of_vertex[w].size(); });
-    for (const index_t tet : a.tets_of_vertex[v]) {
-      const Tet t = look_at(tet);
-      if (t.kind() != OnCorners::all_four && t.kind() != OnCorners::three_of_four) continue;
-      for (std::size_t i = 0; i < 4; ++i)
-        if (const int triangle = wall(t, i); triangle >= 0 && is_seen_from_inside(vertices, triangle, tet, i))
-          return tet;
+    const auto& tets_of_vertex = input_->adjacency().tets_of_vertex;
+    if (vertices[0] == first_) {
+      const std::uint64_t elsewhere = ~places_of(vertices);
+      const auto at_first = tets_of_vertex[first_];
+      for (std::size_t n = 0; n < at_first.size(); ++n) {
+        const std::uint64_t foreign = around_[n] & elsewhere;
+        const bool at_most_one = (foreign & (foreign - 1)) == 0;
+        if (at_most_one && is_start(vertices, at_first[n])) return at_first[n];
+      }
+      return no_index;
     }
+    const index_t v = *std::ranges::min_element(vertices, {}, [&](index_t w) { return tets_of_vertex[w].size(); });
+    for (const index_t tet : tets_of_vertex[v])
+      if (is_start(vertices, tet)) return tet;
     return no_index;
+  }
+
+  /// Does it have a triangle of the cell's faces, seen from inside?
+  bool is_start(const Vertices& vertices, index_t tet) const {
+    const Tet t = look_at(tet);
+    if (t.kind() != OnCorners::all_four && t.kind() != OnCorners::three_of_four) return false;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (const int triangle = wall(t, i); triangle >= 0 && is_seen_from_inside(vertices, triangle, tet, i))
+        return true;
+    return false;
   }
 
   bool is_seen_from_inside(const Vertices& vertices, int triangle, index_t tet, std::size_t i) const {
@@ -136,6 +174,7 @@ private:
     corners_of_.clear();
     foreign_.clear();
     n_exits_.fill(0);
+    crossed_.reset();
     const index_t start = find_start(vertices);
     if (start == no_index || !enter(start)) return false;
     for (std::size_t n = 0; n < tets.size(); ++n) {
@@ -149,12 +188,21 @@ private:
           exits_[face][n_exits_[face]++] = {tet, static_cast<std::int8_t>(i), static_cast<std::int8_t>(triangle)};
           continue;
         }
+        if (is_crossed_again(t.facet(i))) continue;
         const index_t next = input_->adjacency().neighbours[tet][i];
         if (next == no_index) return false;
         if (std::find(tets.begin(), tets.end(), next) == tets.end() && !enter(next)) return false;
       }
     }
     return true;
+  }
+
+  /// A facet on three corners of the cell has two sides only: who meets it again came from where it leads.
+  bool is_crossed_again(std::size_t facet) {
+    if (triangles.tet[facet] != OnCorners::three_of_four) return false;
+    const bool again = crossed_[facet];
+    crossed_[facet] = true;
+    return again;
   }
 
   bool enter(index_t tet) {
@@ -296,7 +344,11 @@ private:
   const FinderInput* input_;
   std::uint32_t walls_ = all_walls;       ///< the triangles of FaceTriangles that the flood stops at
   std::vector<std::uint8_t> corner_set_;  ///< vertex -> set of its corner while a cell is looked at, else none
+  index_t first_ = no_index;              ///< the corner 0 that is prepared for
+  std::vector<std::uint8_t> place_;       ///< vertex -> 1 + its position among the neighbours of `first_`, else 0
+  std::vector<std::uint64_t> around_;     ///< places of the corners of each tetrahedron of `first_`
   std::vector<Tet> corners_of_;           ///< parallel to `tets` during the flood
+  std::bitset<256> crossed_;              ///< facets inside, by the set of their corners
   std::vector<index_t> foreign_;
   std::array<std::array<Exit, 2>, n_faces> exits_{};
   std::array<std::uint8_t, n_faces> n_exits_{};

@@ -46,7 +46,8 @@ inline bool evaluate<CellKind::hexahedron>(std::span<const Vector3> corners, dou
     lowest = std::min(lowest, coefficient);
   }
   values.volume = sum / (8 * 27);
-  const double product = magnitude(edges.u) * magnitude(edges.v) * magnitude(edges.w);
+  // No component of an edge is larger than its length.
+  const double product = std::sqrt(std::ranges::max(u) * std::ranges::max(v) * std::ranges::max(w));
   return (in_filter_range(product) && lowest > hexahedron_error(product)) || is_valid_hexahedron(corners);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/detail/jacobian_bezier.hpp"
 #include "framehex/recombination/detail/finder_input.hpp"
 
 #include <cmath>
@@ -14,11 +15,12 @@ public:
   /// The quadrilaterals of a with its neighbours at two positions: a range of opposite vertices.
   struct Face {
     index_t other, begin, end;
-    bool is_rich = true;  ///< some opposite vertex is no hub; see `has_hubs`
   };
 
-  explicit CornerFaces(const FinderInput& input)
-      : points_(input.points().data()), links_(&input.links()), floor_(input.options().quality_floor - 1e-12) {}
+  explicit CornerFaces(const FinderInput& input) : points_(input.points().data()), links_(&input.links()) {
+    const double floor = input.options().quality_floor - 1e-12;
+    signed_square_ = floor * std::abs(floor);
+  }
 
   /// Gathers the quadrilaterals whose smallest vertex is `a`.
   void collect(index_t a) {
@@ -31,13 +33,7 @@ public:
       if (ring[i] > a) collect(a, i);
       first_face_.push_back(faces_.size());
     }
-    find_hubs(a);
   }
-
-  /// Whether one or two neighbours of a are hubs: their edges with a have so many facets that the quadrilaterals with
-  /// those diagonals, one for each two of the facets, are too many to combine freely. Three quadrilaterals at a have
-  /// three different opposite vertices: one of them at least is rich.
-  bool has_hubs() const { return !hubs_.empty() && hubs_.size() <= 2; }
 
   /// Those with the neighbour at `i` and another at a higher position, ascending.
   std::span<const Face> faces(index_t i) const {
@@ -51,27 +47,18 @@ public:
 
   const VertexLinks& links() const { return *links_; }
 
-  /// Whether the edges from o to x, y, z keep the quality floor, but for rounding.
+  /// Whether the edges from o to x, y, z keep the quality floor, but for rounding. Squares are compared: no root.
   bool is_corner(index_t o, index_t x, index_t y, index_t z) const {
-    const Vector3 u = points_[x] - points_[o], v = points_[y] - points_[o], w = points_[z] - points_[o];
-    return u.cross(v).dot(w) >= floor_ * std::sqrt(u.squaredNorm() * v.squaredNorm() * w.squaredNorm());
+    const auto edge = [this, &from = points_[o]](index_t to) {
+      const Vector3& p = points_[to];
+      return Triple<double>{p.x() - from.x(), p.y() - from.y(), p.z() - from.z()};
+    };
+    const Triple<double> u = edge(x), v = edge(y), w = edge(z);
+    const double determinant = dot(cross(u, v), w);
+    return determinant * std::abs(determinant) >= signed_square_ * (dot(u, u) * dot(v, v) * dot(w, w));
   }
 
 private:
-  static constexpr std::size_t hub_degree = 32;
-
-  void find_hubs(index_t a) {
-    hubs_.clear();
-    const auto ring = links_->neighbours(a);
-    if (ring.size() <= hub_degree) return;
-    for (index_t i = 0; i < ring.size(); ++i)
-      if (links_->degree(a, i) > hub_degree) hubs_.push_back(ring[i]);
-    if (!has_hubs()) return;
-    for (Face& face : faces_)
-      face.is_rich = std::ranges::any_of(opposites(face),
-                                         [this](index_t o) { return std::ranges::find(hubs_, o) == hubs_.end(); });
-  }
-
   void collect(index_t a, index_t i) {
     const auto ring = links_->neighbours(a);
     reach_.clear();
@@ -83,7 +70,7 @@ private:
     };
     links_->for_each_link(a, i, [&](index_t j) {
       reach(j);
-      links_->for_each_link(a, j, reach);
+      links_->for_each_link_in_reach(a, j, i, reach);
     });
     std::sort(reach_.begin(), reach_.end());
     for (const index_t j : reach_) {
@@ -99,10 +86,10 @@ private:
 
   const Vector3* points_;
   const VertexLinks* links_;
-  double floor_;
+  double signed_square_;  ///< of the quality floor, less what rounding may do
   std::vector<Face> faces_;
   std::vector<std::size_t> first_face_;  ///< by position among the neighbours of a
-  std::vector<index_t> opposites_, reach_, hubs_;
+  std::vector<index_t> opposites_, reach_;
   std::vector<std::uint8_t> seen_;
 };
 

@@ -57,6 +57,7 @@ public:
 
   /// Appends the cells that the search finds at vertex `a`.
   void find(index_t a, Candidates<Corners>& found) {
+    interior_.start_from(a);
     search_.search(a, [&](const std::array<index_t, static_cast<std::size_t>(Corners)>& vertices) {
       std::array<Vector3, static_cast<std::size_t>(Corners)> corners;
       for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = input_->points()[vertices[i]];
@@ -85,7 +86,7 @@ private:
 /// Runs a search from every vertex in blocks, by any executor, into one result in the order of the vertices.
 ///
 /// A block's cells go straight to the end of the result when all blocks before have, and wait otherwise: no second copy
-/// of the result is ever held. It is reserved from a count at two vertices of each block, so that it need not move.
+/// of the result is ever held. It is reserved from a count at one vertex of each block, so that it need not move.
 template <int Corners, class Search>
 class BlockwiseSearch {
 public:
@@ -133,18 +134,16 @@ private:
     executor(n_blocks_, [&](std::size_t block, std::size_t worker) {
       Worker& w = at(worker);
       clear(w.found);
-      // Places that wander from block to block, lest all lie on one side of a lattice.
-      for (const std::size_t place : {block * 37 % block_size, (block * 37 + block_size / 2) % block_size})
-        if (block * block_size + place < n_vertices_)
-          w.filter.find(static_cast<index_t>(block * block_size + place), w.found);
+      // A place that wanders from block to block, lest all lie on one side of a lattice.
+      const std::size_t v = block * block_size + block * 37 % block_size;
+      if (v < n_vertices_) w.filter.find(static_cast<index_t>(v), w.found);
       n += w.found.size();
       n_tets += w.found.tets.values.size();
       n_slivers += w.found.face_slivers.values.size();
       clear(w.found);
     });
     // Two standard deviations more than the estimate; what is not needed is never touched.
-    const double scale =
-        static_cast<double>(block_size) / 2 * (1 + 2 / std::sqrt(2.0 * static_cast<double>(n_blocks_)));
+    const double scale = static_cast<double>(block_size) * (1 + 2 / std::sqrt(static_cast<double>(n_blocks_)));
     const auto scaled = [scale](std::size_t count) {
       return static_cast<std::size_t>(scale * static_cast<double>(count));
     };

@@ -49,7 +49,7 @@ public:
         owned_(own_adjacency(mesh, options)),
         adjacency_(options.adjacency != nullptr ? options.adjacency : owned_.get()),
         points_(positions(mesh)),
-        links_(*adjacency_),
+        links_(*adjacency_, most_corners_between + 1 + std::min(options.max_interior_vertices, points_.size())),
         features_(points_.size(), options.feature_edges) {
     const std::size_t n = adjacency_->tets.size();
     if (n_vertices(mesh) != adjacency_->n_vertices()) throw invalid_option("the adjacency is that of another mesh");
@@ -71,6 +71,10 @@ public:
   }
 
 private:
+  /// The tetrahedra of a cell lead round a diagonal from one of its triangles to the other past corners that are not on
+  /// the quadrilateral: four of a hexahedron, fewer of the others.
+  static constexpr std::size_t most_corners_between = 4;
+
   /// Checks the input; nothing when the options bring an adjacency.
   template <TetMesh Mesh>
   static std::unique_ptr<TetAdjacency> own_adjacency(const Mesh& mesh, const FinderOptions& options) {

@@ -28,8 +28,9 @@ public:
   template <class Emit>
   void search(index_t a, Emit&& emit) {
     faces_.collect(a);
+    locate_opposites(a);
     face_at_.assign(faces_.links().neighbours(a).size(), nullptr);
-    faces_.has_hubs() ? combine_rich(a, emit) : combine(a, emit);
+    combine(a, emit);
   }
 
 private:
@@ -47,41 +48,18 @@ private:
     }
   }
 
-  /// The same, for those with a rich quadrilateral, of which the first finds them.
-  template <class Emit>
-  void combine_rich(index_t a, Emit& emit) {
-    struct Side {
-      index_t other;
-      const Face* face;
-    };
-    const auto sides = make_csr<Side>(face_at_.size(), [&](auto&& put) {
-      for (index_t i = 0; i < face_at_.size(); ++i)
-        for (const Face& face : faces_.faces(i)) {
-          put(i, Side{face.other, &face});
-          put(face.other, Side{i, &face});
-        }
-    });
-    for (index_t i = 0; i < face_at_.size(); ++i) {
-      for (const Side& side : sides[i]) face_at_[side.other] = side.face;
-      for (const Face& ij : faces_.faces(i)) {
-        if (!ij.is_rich) continue;
-        const index_t j = ij.other;
-        for (const Side& jk : sides[j]) {
-          const index_t k = jk.other;
-          const Face* const ik = k == i ? nullptr : face_at_[k];
-          if (ik == nullptr) continue;
-          // In the order of their pairs, (i, k) comes before (i, j) when k < j, and (j, k) when k < i.
-          if ((k < j && ik->is_rich) || (k < i && jk.face->is_rich)) continue;
-          if (k < i)
-            orient(a, k, *ik, *jk.face, ij, emit);
-          else if (k < j)
-            orient(a, i, *ik, ij, *jk.face, emit);
-          else
-            orient(a, i, ij, *ik, *jk.face, emit);
-        }
+  /// Where the vertices opposite a are among the neighbours of its two neighbours beside them, once for all cells.
+  void locate_opposites(index_t a) {
+    const auto& links = faces_.links();
+    const auto ring = links.neighbours(a);
+    for (index_t i = 0; i < ring.size(); ++i)
+      for (const Face& face : faces_.faces(i)) {
+        const auto opposites = faces_.opposites(face);
+        if (places_.size() < face.end) places_.resize(face.end);
+        for (std::size_t n = 0; n < opposites.size(); ++n)
+          places_[face.begin + n] = {links.position(ring[i], opposites[n]),
+                                     links.position(ring[face.other], opposites[n])};
       }
-      for (const Side& side : sides[i]) face_at_[side.other] = nullptr;
-    }
   }
 
   /// Names the neighbours at i < j < k b, d, e, the last two in the order of a positive corner.
@@ -90,22 +68,24 @@ private:
     const auto ring = faces_.links().neighbours(a);
     const index_t b = ring[i], x = ring[ij.other], y = ring[jk.other];
     if (faces_.is_corner(a, b, x, y))
-      complete({a, b, x, y}, ij, ik, jk, emit);
+      complete({a, b, x, y}, ij, ik, jk, 0, emit);
     else if (faces_.is_corner(a, b, y, x))
-      complete({a, b, y, x}, ik, ij, jk, emit);
+      complete({a, b, y, x}, ik, ij, jk, 1, emit);
   }
 
+  /// @param side_of_d  0 when d is the first of the two neighbours of `de`, 1 when it is the second.
   template <class Emit>
-  void complete(const std::array<index_t, 4>& corner, const Face& bd, const Face& be, const Face& de, Emit& emit) {
+  void complete(const std::array<index_t, 4>& corner, const Face& bd, const Face& be, const Face& de,
+                std::size_t side_of_d, Emit& emit) {
     const auto& links = faces_.links();
     const auto [a, b, d, e] = corner;
     const auto C = faces_.opposites(bd), F = faces_.opposites(be), H = faces_.opposites(de);
+    const Places *const c_at = &places_[bd.begin], *const f_at = &places_[be.begin], *const h_at = &places_[de.begin];
     at_d_.assign(C.size() * H.size(), Known::not_yet);
     at_e_.assign(F.size() * H.size(), Known::not_yet);
     for (std::size_t i = 0; i < C.size(); ++i) {
       const index_t c = C[i];
       if (c == e) continue;
-      const index_t b_to_c = links.position(b, c);
       for (std::size_t j = 0; j < F.size(); ++j) {
         const index_t f = F[j];
         if (f == c || f == d || !faces_.is_corner(b, c, a, f)) continue;
@@ -114,15 +94,15 @@ private:
           const index_t h = H[k];
           if (h != b && h != c && h != f && is_known(at_d_[i * H.size() + k], d, a, c, h) &&
               is_known(at_e_[j * H.size() + k], e, h, f, a))
-            usable_.push_back(h);
+            usable_.push_back(k);
         }
         if (usable_.empty()) continue;
-        links.for_each_opposite(b, b_to_c, links.position(b, f), [&](index_t g) {
+        links.for_each_opposite(b, c_at[i][0], f_at[j][0], [&](index_t g) {
           if (g <= a || g == d || g == e || !faces_.is_corner(c, d, b, g) || !faces_.is_corner(f, e, g, b)) return;
-          for (const index_t h : usable_)
-            if (h != g && faces_.is_corner(g, f, h, c) && faces_.is_corner(h, g, e, d) &&
-                links.is_opposite(d, links.position(d, c), links.position(d, h), g) &&
-                links.is_opposite(e, links.position(e, f), links.position(e, h), g))
+          for (const std::size_t k : usable_)
+            if (const index_t h = H[k]; h != g && links.is_opposite(d, c_at[i][1], h_at[k][side_of_d], g) &&
+                                        links.is_opposite(e, f_at[j][1], h_at[k][1 - side_of_d], g) &&
+                                        faces_.is_corner(g, f, h, c) && faces_.is_corner(h, g, e, d))
               emit(Vertices{a, b, c, d, e, f, g, h});
         });
       }
@@ -137,10 +117,14 @@ private:
     return known == Known::yes;
   }
 
+  /// Positions of a vertex opposite a among the neighbours of the face's two neighbours of a.
+  using Places = std::array<index_t, 2>;
+
   CornerFaces faces_;
   std::vector<const Face*> face_at_;  ///< by position among the neighbours of a
+  std::vector<Places> places_;        ///< by the range of a face
   std::vector<Known> at_d_, at_e_;    ///< [c][h] and [f][h]
-  std::vector<index_t> usable_;       ///< the h that fit c and f
+  std::vector<std::size_t> usable_;   ///< places of the h that fit c and f
 };
 
 }  // namespace framehex::detail

@@ -3,9 +3,11 @@
 
 #include "framehex/mesh/adjacency.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace framehex::detail {
@@ -17,7 +19,10 @@ namespace framehex::detail {
 /// ascending list of positions beyond, so that memory stays linear whatever the valence.
 class VertexLinks {
 public:
-  explicit VertexLinks(const TetAdjacency& adjacency) : neighbours_(&adjacency.vertices_of_vertex) {
+  /// @param reach  how far apart the two triangles of a quadrilateral may be, in tetrahedra round its diagonal. Matters
+  ///               round edges with very many tetrahedra, where any two triangles would make one otherwise.
+  explicit VertexLinks(const TetAdjacency& adjacency, std::size_t reach = static_cast<std::size_t>(-1))
+      : neighbours_(&adjacency.vertices_of_vertex), reach_(reach) {
     bits_.assign(neighbours_->values.size(), 0);
     std::vector<std::pair<index_t, index_t>> links;
     for (index_t v = 0; v < adjacency.n_vertices(); ++v) {
@@ -63,11 +68,6 @@ public:
     return std::binary_search(links.begin(), links.end(), j);
   }
 
-  /// Number of positions linked to i: the facets at the edge from v to its neighbour at i.
-  std::size_t degree(index_t v, index_t i) const {
-    return is_heavy(v) ? heavy_row(v, i).size() : static_cast<std::size_t>(std::popcount(bits_[row(v, i)]));
-  }
-
   /// Calls f(j) for the positions j linked to i.
   template <class F>
   void for_each_link(index_t v, index_t i, F&& f) const {
@@ -77,19 +77,29 @@ public:
       for_each_bit(bits_[row(v, i)], f);
   }
 
+  /// Calls f(j) for the positions j linked to i: on a crowded edge only for those within reach of position `start`, and
+  /// for `start`.
+  template <class F>
+  void for_each_link_in_reach(index_t v, index_t i, index_t start, F&& f) const {
+    if (!is_heavy(v) || heavy_row(v, i).size() <= crowded) return for_each_link(v, i, f);
+    std::vector<index_t> reached{start};
+    std::size_t next = 0;
+    for (std::size_t step = 0; step < reach_ && next < reached.size(); ++step)
+      for (const std::size_t end = reached.size(); next < end; ++next)
+        for_each_common_link(v, i, reached[next], [&reached](index_t k) {
+          if (std::ranges::find(reached, k) == reached.end()) reached.push_back(k);
+        });
+    for (const index_t j : reached) f(j);
+  }
+
   /// Calls f(k) for the positions k linked to both i and j.
   template <class F>
   void for_each_common_link(index_t v, index_t i, index_t j, F&& f) const {
     if (!is_heavy(v)) return for_each_bit(bits_[row(v, i)] & bits_[row(v, j)], f);
-    const auto a = heavy_row(v, i), b = heavy_row(v, j);
-    for (auto x = a.begin(), y = b.begin(); x != a.end() && y != b.end();) {
-      if (*x == *y) {
-        f(*x);
-        ++x, ++y;
-      } else {
-        *x < *y ? ++x : ++y;
-      }
-    }
+    auto few = heavy_row(v, i), many = heavy_row(v, j);
+    if (few.size() > many.size()) std::swap(few, many);
+    for (const index_t k : few)
+      if (std::ranges::binary_search(many, k)) f(k);
   }
 
   bool is_facet(index_t u, index_t v, index_t w) const {
@@ -97,7 +107,7 @@ public:
     return i != no_index && j != no_index && are_linked(u, i, j);
   }
 
-  /// Whether for_each_opposite(v, i, j) would give that vertex.
+  /// Whether for_each_opposite(v, i, j) would give that vertex, reach or not.
   bool is_opposite(index_t v, index_t i, index_t j, index_t opposite) const {
     const index_t known = position(v, opposite);
     if (known != no_index && are_linked(v, i, known) && are_linked(v, j, known)) return true;
@@ -105,7 +115,7 @@ public:
   }
 
   /// Calls f(opposite) for each vertex that makes a quadrilateral with v between its neighbours at i and j: for one of
-  /// the two diagonals, both triangles are facets. Each vertex once.
+  /// the two diagonals, both triangles are facets, in reach of one another. Each vertex once.
   template <class F>
   void for_each_opposite(index_t v, index_t i, index_t j, F&& f) const {
     const auto ring = neighbours(v);
@@ -113,7 +123,7 @@ public:
     if (!are_linked(v, i, j)) return;
     const index_t w = ring[i], x = ring[j];
     const auto others = neighbours(w);
-    for_each_link(w, position(w, x), [&](index_t k) {
+    for_each_link_in_reach(w, position(w, x), position(w, v), [&](index_t k) {
       const index_t opposite = others[k];
       if (opposite == v) return;
       const index_t known = position(v, opposite);
@@ -143,7 +153,10 @@ private:
 
   std::span<const index_t> heavy_row(index_t v, index_t i) const { return heavy_[bits_[row(v, i)]]; }
 
+  static constexpr std::size_t crowded = 16;
+
   const Csr<index_t>* neighbours_;
+  std::size_t reach_;
   std::vector<std::uint64_t> bits_;
   Csr<index_t> heavy_;
 };
