@@ -5,8 +5,11 @@
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/kuhn_lattice.hpp"
+#include "support/surfaces.hpp"
 
 #include <catch2/catch.hpp>
+
+#include <set>
 
 using namespace framehex;
 
@@ -81,6 +84,38 @@ TEST_CASE("boundary vertices may slide, and the mesh fills the surface to its co
   CHECK(deviation.surface_to_mesh_max < 1e-9);
   CHECK(mesh.edges.size() == fixed.edges.size());
   CHECK(mesh.faces.size() == fixed.faces.size());
+}
+
+TEST_CASE("improvement slides boundary vertices of a curved body, and none leaves its surface") {
+  const IndexedTriangleMesh surface = test::sphere_surface(1, 3);
+  AssemblyOptions assembly{.hexahedron_target = 0.6};  // much to do
+  const auto mesh_of = [&] {
+    MeshingOptions options;
+    options.recombination.assembly = assembly;
+    return mesh_surface(surface, Constant{0.3}, TetgenProcess{}, options).recombination.mesh;
+  };
+  const auto boundary_points = [](const MixedMesh& mesh) {
+    std::set<std::array<double, 3>> points;
+    for (const LabelledFace& face : mesh.faces)
+      for (const index_t v : face.vertices)
+        if (v != no_index) points.insert({mesh.points[v].x(), mesh.points[v].y(), mesh.points[v].z()});
+    return points;
+  };
+  const MixedMesh improved = mesh_of();
+  assembly.boundary_projection = [](index_t, Vector3&) { return false; };
+  const auto held = boundary_points(mesh_of());
+  assembly.improvement = ImprovementMode::none;
+  CHECK(boundary_points(mesh_of()) == held);
+
+  const SurfaceLocator locator(surface);
+  std::size_t n_moved = 0;
+  for (const auto& p : boundary_points(improved)) {
+    CHECK(locator.nearest(Vector3(p[0], p[1], p[2])).distance < 1e-9);
+    n_moved += 1 - held.count(p);
+  }
+  CHECK(n_moved > 0);
+  CHECK(verify::is_conforming(improved));
+  CHECK(verify::is_valid(improved));
 }
 
 TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
