@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 try:
     import numpy as np
@@ -79,8 +80,11 @@ def main(program, paths):
                 paths.append(os.path.join(folder, f"{seed}.metis"))
                 random_graph(paths[-1], n, radius, seed)
         for path in paths:
-            expected, (weight, status) = optimum(path), ours(program, path)
-            print(f"{path}: milp {expected}, select {weight}, {status}")
+            start = time.process_time()
+            expected = optimum(path)
+            seconds = time.process_time() - start
+            weight, status = ours(program, path)
+            print(f"{path}: milp {expected} in {seconds:.0f} s, select {weight}, {status}", flush=True)
             if weight != expected or status != "optimal":
                 return 1
     return 0

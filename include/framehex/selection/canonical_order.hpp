@@ -31,9 +31,9 @@ inline std::vector<std::uint64_t> signatures(const IncompatibilityGraph& graph, 
 
 /// An order of the candidates that does not depend on their numbers, except where candidates look alike: breadth first,
 /// so that neighbours are near in memory, from the least signature, neighbours by signature.
-inline std::vector<index_t> canonical_order(const IncompatibilityGraph& graph) {
+inline std::vector<index_t> canonical_order(const IncompatibilityGraph& graph,
+                                            std::span<const std::uint64_t> signature) {
   const auto n = static_cast<index_t>(graph.size());
-  const std::vector<std::uint64_t> signature = signatures(graph, 3);
   const auto before = [&](index_t u, index_t v) {
     return signature[u] != signature[v] ? signature[u] < signature[v] : u < v;
   };
