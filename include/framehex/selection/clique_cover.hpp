@@ -151,6 +151,10 @@ public:
 private:
   void keep_neighbours_of(index_t v) {
     const auto row = graph_.neighbours(v);
+    if (16 * open_.size() < row.size()) {
+      std::erase_if(open_, [&](index_t u) { return !std::binary_search(row.begin(), row.end(), u); });
+      return;
+    }
     kept_.resize(open_.size());
     std::size_t n = 0;
     // Steps both lists without branches: which one is behind cannot be foreseen.

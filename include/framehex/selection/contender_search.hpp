@@ -69,7 +69,7 @@ private:
     for (const index_t v : members)
       start.push_back(
           number[static_cast<std::size_t>(std::lower_bound(allowed.begin(), allowed.end(), v) - allowed.begin())]);
-    const IncompatibilityGraph renumbered = renumber(part, order);
+    const IncompatibilityGraph renumbered = renumber(part, order, [] { return false; });
 
     IteratedSearch search(renumbered, start, seed_);
     const auto stop = [this] { return deadline_.passed(); };

@@ -65,14 +65,18 @@ private:
     return static_cast<std::int64_t>(std::floor(static_cast<double>(weight) / (1 - std::min(options_.gap, 0.999999))));
   }
 
-  /// 50 iterations of the bound.
-  void relax(LpBound& relaxation, CliqueSeparator& separator) {
-    for (int i = 0; i < 2 && !deadline_.passed(); ++i) {
-      for (int j = 0; j < 5 && !deadline_.passed(); ++j) relaxation.iterate(5, executor_);
-      if (!proof_wanted()) relaxation.add_cliques(separator.separate(relaxation, CliqueSeparator::Effort::quick));
+  /// 50 iterations of the bound, fewer when the goal is reached.
+  void relax(LpBound& relaxation, CliqueSeparator& separator, std::int64_t goal) {
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 5; ++j) {
+        if (relaxation.bound() <= goal || deadline_.passed()) return;
+        relaxation.iterate(5, executor_);
+        n_iterations_ += 5;
+        n_passes_ += 5 * static_cast<double>(relaxation.cover().cliques.values.size());
+      }
+      if (!proof_wanted() && relaxation.bound() > goal)
+        relaxation.add_cliques(separator.separate(relaxation, CliqueSeparator::Effort::quick));
     }
-    n_iterations_ += 50;
-    n_passes_ += 50 * static_cast<double>(relaxation.cover().cliques.values.size());
   }
 
   /// @return the bound.
@@ -86,7 +90,7 @@ private:
     const auto work_left = [&] { return proof_wanted() || n_passes_ < max_passes; };
     for (std::size_t round = 0; round < options_.max_rounds && work_left(); ++round) {
       const std::int64_t before = relaxation.bound();
-      relax(relaxation, separator);
+      relax(relaxation, separator, goal(search.weight_in_units()));
       deadline_.set_fraction(static_cast<double>(round) / static_cast<double>(options_.max_rounds));
       search.offer(round_relaxation(graph_, relaxation.primal()));
       if (relaxation.bound() <= goal(search.weight_in_units()) || deadline_.passed()) break;
@@ -151,10 +155,11 @@ Draft draft_selection(const IncompatibilityGraph& graph, const SelectOptions& op
   Draft draft = first_draft(graph, signature, options.seed, deadline);
   if (draft.weight >= draft.bound || options.max_rounds == 0 || deadline.passed()) return draft;
   const std::vector<index_t> order = canonical_order(graph, signature);
+  const IncompatibilityGraph renumbered = renumber(graph, order, [&] { return deadline.passed(); });
+  if (deadline.passed()) return draft;
   std::vector<index_t> number(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<index_t>(i);
   for (index_t& v : draft.members) v = number[v];
-  const IncompatibilityGraph renumbered = renumber(graph, order);
   Selector<E>(renumbered, options, executor, deadline).improve(draft);
   for (index_t& v : draft.members) v = order[v];
   std::sort(draft.members.begin(), draft.members.end());
