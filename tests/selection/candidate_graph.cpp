@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
-// Writes the graph of a benchmark ball in METIS's format, for solvers from outside: candidate_graph CELLS_ACROSS FLOOR FILE
+// Writes the graph of a benchmark ball in METIS's format, for solvers from outside:
+//   candidate_graph CELLS_ACROSS FLOOR FILE
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/conflict_search.hpp"
 #include "framehex/selection/metis_format.hpp"
