@@ -47,7 +47,7 @@ public:
     constexpr int n_rounds = 3;
     for (int round = 0; round < n_rounds && !deadline_.passed(); ++round) {
       const std::int64_t before = weight_in_units(graph_, members);
-      members = search_among(contenders(graph_, members, 0.2), members);
+      members = search_among(contenders(graph_, members, least_share), members);
       complete(graph_, members, [&](index_t v) { return signature_[v]; });
       if (weight_in_units(graph_, members) == before) break;
     }
@@ -58,6 +58,10 @@ public:
   std::size_t iterations() const { return n_iterations_; }
 
 private:
+  /// Less brings more contenders than the search has time for, more leaves out those that pairs and triples are made
+  /// of.
+  static constexpr double least_share = 0.2;
+
   /// @param allowed  holds `members`; both ascending.
   std::vector<index_t> search_among(const std::vector<index_t>& allowed, const std::vector<index_t>& members) {
     const IncompatibilityGraph part = induced_subgraph(graph_, allowed);

@@ -50,7 +50,7 @@ public:
 
   void improve(Draft& draft) {
     IteratedSearch search(graph_, draft.members, options_.seed);
-    draft.bound = std::min(draft.bound, lower_bound(search));
+    draft.bound = std::min(draft.bound, tighten(search));
     draft.members = search.members();
     draft.weight = search.weight_in_units();
     draft.iterations += n_iterations_ + search.iterations();
@@ -80,7 +80,7 @@ private:
   }
 
   /// @return the bound.
-  std::int64_t lower_bound(IteratedSearch& search) {
+  std::int64_t tighten(IteratedSearch& search) {
     // The tree search needs every conflict in a clique; a large graph is better off with those that matter.
     const auto stop = [this] { return deadline_.passed(); };
     LpBound relaxation(proof_wanted() ? cover_by_cliques(graph_, stop) : cover_by_partitions(graph_, 6, stop),
@@ -176,9 +176,8 @@ Draft draft_selection(const IncompatibilityGraph& graph, const SelectOptions& op
 /// @param executor  runs the iterations of the bound.
 /// @return members, ascending, independent and maximal whatever the status; weight, bound, gap, iterations.
 /// @throws invalid_option  when the gap is not in [0, 1] or the time is negative.
-/// @par Complexity   `greedy` O(n log n + conflicts). `best` some ten microseconds a candidate for the first selection,
-///                   then about a tenth of a millisecond for each candidate and 1000 iterations of the bound; memory as
-///                   the graph again.
+/// @par Complexity   `greedy` O(n log n + conflicts). `best` two to four microseconds a candidate for the first
+///                   selection, then some fifty for a gap of half a percent; memory as the graph again.
 /// @par Determinism  The same for any executor and run, unless the time or the observer ends it. `best` and `exact` do
 /// not
 ///                   depend on the numbers of the candidates either, but where candidates look alike (weight and
