@@ -79,9 +79,8 @@ void run(const std::string& path, double size) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::cout << "model | tets | candidates | degree | greedy | best | volume | weight | gap | search s | select s | won "
-               "back by the "
-               "first selection of what greedy is shown to lose | its time over the search's | shown to lose"
+  std::cout << "model | tets | candidates | degree | greedy | best | volume | weight | gap | search s | select s | "
+               "first selection wins back | its time over the search's | greedy is shown to lose"
             << std::endl;
   for (int i = 1; i + 1 < argc; i += 2) run(argv[i], std::stod(argv[i + 1]));
 }
