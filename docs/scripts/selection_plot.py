@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSL-1.0
-"""Draws docs/images/selection_gap.png: proven gap against time.
+"""Draws docs/images/selection_gap.png: proven gap against time, the fastest of several runs.
 
     bench_selection --benchmark_filter='trade_off' --benchmark_format=json > curve.json
     python3 docs/scripts/selection_plot.py docs/images/selection_gap.png curve.json [more.json ...]
@@ -27,11 +27,15 @@ def records(path):
 
 
 def main(image, paths):
-    curves = {}
+    fastest = {}
     for path in paths:
         for kind, size, rounds, r in records(path):
             if kind == "trade_off" and rounds > 0:
-                curves.setdefault(size, []).append((r["cpu_time"] / 1000, r))
+                known = fastest.setdefault((size, rounds), r)
+                fastest[size, rounds] = min(known, r, key=lambda x: x["cpu_time"])
+    curves = {}
+    for (size, _), r in fastest.items():
+        curves.setdefault(size, []).append((r["cpu_time"] / 1000, r))
     figure, axes = plt.subplots(figsize=(6.4, 4.0), dpi=110)
     for size, points in sorted(curves.items()):
         points.sort(key=lambda p: p[0])

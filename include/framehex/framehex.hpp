@@ -74,6 +74,7 @@
 #include "framehex/selection/clique_cover.hpp"
 #include "framehex/selection/clique_separation.hpp"
 #include "framehex/selection/conflict_search.hpp"
+#include "framehex/selection/contender_search.hpp"
 #include "framehex/selection/deadline.hpp"
 #include "framehex/selection/greedy.hpp"
 #include "framehex/selection/incompatibility_graph.hpp"

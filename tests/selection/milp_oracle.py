@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: BSL-1.0
 """Compares the example `select_graph` with scipy's integer programming (HiGHS).
 
-    milp_oracle.py select_graph [graph.metis ...]
+    milp_oracle.py select_graph                                    on clustered random graphs
+    milp_oracle.py select_graph graph.metis ...
+    milp_oracle.py select_graph candidate_graph CELLS:FLOOR ...    on benchmark balls, written by the program candidate_graph
 
-Without graphs: on clustered random ones. Exits with 77 when scipy is not there.
+Exits with 77 when scipy is not there.
 """
 import os
 import re
 import subprocess
 import sys
 import tempfile
+import time
 
 try:
     import numpy as np
@@ -72,19 +75,34 @@ def ours(program, path):
     return int(weight), status
 
 
-def main(program, paths):
+def make_graphs(folder, arguments):
+    """Paths of the graphs that the arguments ask for."""
+    if not arguments:
+        for seed, (n, radius) in enumerate([(200, 0.2), (300, 0.2), (400, 0.18)]):
+            yield os.path.join(folder, f"{seed}.metis")
+            random_graph(os.path.join(folder, f"{seed}.metis"), n, radius, seed)
+    elif arguments[0].endswith(".metis"):
+        yield from arguments
+    else:
+        for ball in arguments[1:]:
+            path = os.path.join(folder, f"ball {ball}.metis")
+            subprocess.run([arguments[0], *ball.split(":"), path], check=True)
+            yield path
+
+
+def main(program, *arguments):
     with tempfile.TemporaryDirectory() as folder:
-        if not paths:
-            for seed, (n, radius) in enumerate([(200, 0.2), (300, 0.2), (400, 0.18)]):
-                paths.append(os.path.join(folder, f"{seed}.metis"))
-                random_graph(paths[-1], n, radius, seed)
-        for path in paths:
-            expected, (weight, status) = optimum(path), ours(program, path)
-            print(f"{path}: milp {expected}, select {weight}, {status}")
+        for path in list(make_graphs(folder, arguments)):
+            start = time.process_time()
+            expected = optimum(path)
+            seconds = time.process_time() - start
+            weight, status = ours(program, path)
+            print(f"{os.path.basename(path)}: {len(read_graph(path)[0])} candidates, milp {expected} in {seconds:.0f} s, "
+                  f"select {weight}, {status}", flush=True)
             if weight != expected or status != "optimal":
                 return 1
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    sys.exit(main(*sys.argv[1:]))

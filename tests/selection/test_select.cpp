@@ -65,6 +65,17 @@ void check_sound(const IncompatibilityGraph& graph, const Selection& selection) 
   CHECK(std::is_sorted(selection.members.begin(), selection.members.end()));
 }
 
+/// The same graph, candidate `order[i]` being number i.
+IncompatibilityGraph renumbered(const IncompatibilityGraph& graph, const std::vector<index_t>& order) {
+  std::vector<double> weights;
+  std::vector<index_t> number(graph.size());
+  std::vector<std::array<index_t, 2>> conflicts;
+  for (index_t v = 0; v < graph.size(); ++v) number[order[v]] = v, weights.push_back(graph.weight(order[v]));
+  for (index_t v = 0; v < graph.size(); ++v)
+    for (const index_t u : graph.neighbours(v)) conflicts.push_back({number[v], number[u]});
+  return make_incompatibility_graph(weights, conflicts);
+}
+
 }  // namespace
 
 TEST_CASE("best equals brute force on 10,000 random graphs", "[selection][select]") {
@@ -199,25 +210,29 @@ TEST_CASE("options out of range", "[selection][select]") {
 
 TEST_CASE("a renumbered graph gives the same", "[selection][select]") {
   std::mt19937_64 engine(12);
-  const auto graph = random_disk_graph(engine, 900, 0.07);
-  std::vector<index_t> order(graph.size());
-  for (index_t v = 0; v < graph.size(); ++v) order[v] = v;
-  const SelectOptions options{.gap = 0.02, .exact_below = 0};
-  const Selection first = select(graph, options);
-  for (int i = 0; i < 3; ++i) {
-    std::shuffle(order.begin(), order.end(), engine);
-    std::vector<double> weights;
-    std::vector<index_t> number(graph.size());
-    std::vector<std::array<index_t, 2>> conflicts;
-    for (index_t v = 0; v < graph.size(); ++v) number[order[v]] = v, weights.push_back(graph.weight(order[v]));
-    for (index_t v = 0; v < graph.size(); ++v)
-      for (const index_t u : graph.neighbours(v)) conflicts.push_back({number[v], number[u]});
-    const Selection again = select(make_incompatibility_graph(weights, conflicts), options);
-    CHECK(again.weight == first.weight);
-    CHECK(again.bound == first.bound);
-    std::vector<index_t> members;
-    for (const index_t v : again.members) members.push_back(order[v]);
-    std::sort(members.begin(), members.end());
-    CHECK(members == first.members);
+  const auto fine = random_disk_graph(engine, 900, 0.07);
+  std::vector<double> few_values;
+  std::vector<std::array<index_t, 2>> all;
+  for (index_t v = 0; v < fine.size(); ++v) {
+    few_values.push_back(std::floor(fine.weight(v) / 1000));
+    for (const index_t u : fine.neighbours(v)) all.push_back({u, v});
   }
+  const auto tied = make_incompatibility_graph(few_values, all);
+  for (const IncompatibilityGraph* graph : {&fine, &tied})
+    for (const SelectOptions& options : {SelectOptions{.gap = 0.02, .exact_below = 0}, SelectOptions{.max_rounds = 0},
+                                         SelectOptions{.max_rounds = 4, .max_nodes = 0}}) {
+      const Selection first = select(*graph, options);
+      std::vector<index_t> order(graph->size());
+      for (index_t v = 0; v < order.size(); ++v) order[v] = v;
+      for (int i = 0; i < 3; ++i) {
+        std::shuffle(order.begin(), order.end(), engine);
+        const Selection again = select(renumbered(*graph, order), options);
+        CHECK(again.weight == first.weight);
+        CHECK(again.bound == first.bound);
+        std::vector<index_t> members;
+        for (const index_t v : again.members) members.push_back(order[v]);
+        std::sort(members.begin(), members.end());
+        CHECK(members == first.members);
+      }
+    }
 }

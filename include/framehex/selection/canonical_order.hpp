@@ -31,9 +31,9 @@ inline std::vector<std::uint64_t> signatures(const IncompatibilityGraph& graph, 
 
 /// An order of the candidates that does not depend on their numbers, except where candidates look alike: breadth first,
 /// so that neighbours are near in memory, from the least signature, neighbours by signature.
-inline std::vector<index_t> canonical_order(const IncompatibilityGraph& graph) {
+inline std::vector<index_t> canonical_order(const IncompatibilityGraph& graph,
+                                            std::span<const std::uint64_t> signature) {
   const auto n = static_cast<index_t>(graph.size());
-  const std::vector<std::uint64_t> signature = signatures(graph, 3);
   const auto before = [&](index_t u, index_t v) {
     return signature[u] != signature[v] ? signature[u] < signature[v] : u < v;
   };
@@ -61,7 +61,10 @@ inline std::vector<index_t> canonical_order(const IncompatibilityGraph& graph) {
 }
 
 /// The same graph, candidate `order[i]` being number i.
-inline IncompatibilityGraph renumber(const IncompatibilityGraph& graph, std::span<const index_t> order) {
+///
+/// @param stop  asked now and then; when it says so, the result is of no use.
+template <class Stop>
+IncompatibilityGraph renumber(const IncompatibilityGraph& graph, std::span<const index_t> order, Stop&& stop) {
   std::vector<index_t> number(order.size());
   QuantisedWeights weights;
   weights.unit = graph.unit();
@@ -75,7 +78,7 @@ inline IncompatibilityGraph renumber(const IncompatibilityGraph& graph, std::spa
   // Emitted by rising number into the rows of the neighbours, each row comes out ascending.
   rows.values.resize(rows.offsets.back());
   std::vector<offset_t> next(rows.offsets.begin(), rows.offsets.end() - 1);
-  for (std::size_t i = 0; i < order.size(); ++i)
+  for (std::size_t i = 0; i < order.size() && !(i % 4096 == 0 && stop()); ++i)
     for (const index_t u : graph.neighbours(order[i])) rows.values[next[number[u]]++] = static_cast<index_t>(i);
   return GraphAccess::unchecked(std::move(rows), std::move(weights));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/selection/canonical_order.hpp"
+#include "framehex/selection/selection.hpp"
 
 #include <bit>
 #include <iterator>
@@ -150,6 +151,10 @@ public:
 private:
   void keep_neighbours_of(index_t v) {
     const auto row = graph_.neighbours(v);
+    if (16 * open_.size() < row.size()) {
+      std::erase_if(open_, [&](index_t u) { return !std::binary_search(row.begin(), row.end(), u); });
+      return;
+    }
     kept_.resize(open_.size());
     std::size_t n = 0;
     // Steps both lists without branches: which one is behind cannot be foreseen.
@@ -265,25 +270,31 @@ CliqueCover cover_by_partitions(const IncompatibilityGraph& graph, std::uint64_t
 /// Rough upper bound on every selection, in units: the candidates are parted into cliques, each of which pays for its
 /// dearest member.
 ///
+/// @param key  breaks ties: the bound depends on the numbers of the candidates only where keys are equal.
 /// @par Complexity  O(n d) for the mean degree d.
-inline std::int64_t partition_bound(const IncompatibilityGraph& graph) {
+template <class Key>
+std::int64_t partition_bound(const IncompatibilityGraph& graph, Key&& key) {
+  std::vector<index_t> order(graph.size()), rank(graph.size()), clique;
+  std::iota(order.begin(), order.end(), index_t{0});
+  detail::sort_by_falling_weight(graph, order, key);
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<index_t>(i);
   detail::CliqueGrower grower(graph);
   std::vector<std::uint8_t> used(graph.size(), 0);
-  std::vector<index_t> clique;
   std::int64_t bound = 0;
-  for (index_t v = 0; v < graph.size(); ++v) {
+  for (const index_t v : order) {
     if (used[v]) continue;
     clique.assign(1, v);
+    // Dear ones are best paid for by one still dearer.
     grower.extend(
-        clique, [](index_t) { return 0; }, [&](index_t u) { return !used[u]; });
-    std::int64_t dearest = 0;
-    for (const index_t u : clique) {
-      used[u] = 1;
-      dearest = std::max(dearest, graph.weights_in_units()[u]);
-    }
-    bound += dearest;
+        clique, [&](index_t u) { return ~rank[u]; }, [&](index_t u) { return !used[u]; });
+    for (const index_t u : clique) used[u] = 1;
+    bound += graph.weights_in_units()[v];
   }
   return bound;
+}
+
+inline std::int64_t partition_bound(const IncompatibilityGraph& graph) {
+  return partition_bound(graph, [](index_t v) { return v; });
 }
 
 }  // namespace framehex

@@ -48,9 +48,13 @@ public:
     search_.commit();
   }
 
-  /// Tries `n` perturbations at random places among `places`. @pre places not empty.
-  void perturb(std::span<const index_t> places, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) {
+  /// Tries `n` perturbations at random places among `places`.
+  ///
+  /// @param stop  asked now and then.
+  template <class Stop>
+  void perturb(std::span<const index_t> places, std::size_t n, Stop&& stop) {
+    if (places.empty()) return;
+    for (std::size_t i = 0; i < n && !(i % 256 == 0 && stop()); ++i) {
       ++n_iterations_;
       const std::int64_t before = search_.weight_in_units();
       index_t v = places[pick(places.size())];
@@ -92,7 +96,6 @@ public:
         if (u < v && local_[u] != no_index) exact_.add_conflict(local_[u], local_[v]);
     for (const index_t v : window_) local_[v] = no_index;
     exact_.solve(inside, max_nodes);
-    n_nodes_ += exact_.n_nodes();
     if (exact_.members().empty()) return false;
     for (const index_t v : window_)
       if (search_.contains(v)) search_.drop(v);
@@ -102,7 +105,14 @@ public:
     return true;
   }
 
-  std::size_t n_nodes() const { return n_nodes_; }
+  /// Solves windows of about `n_free` candidates all over the set.
+  template <class Stop>
+  void solve_windows(std::size_t n_free, std::size_t max_nodes, Stop&& stop) {
+    const std::vector<index_t> centres = members();
+    // Each window opens several members, so that every other one is enough.
+    for (std::size_t i = 0; i < centres.size() && !(i % 64 == 0 && stop()); i += 2)
+      solve_window(centres[i], n_free, max_nodes);
+  }
 
 private:
   std::size_t pick(std::size_t n) { return boost::random::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
@@ -144,7 +154,7 @@ private:
   std::vector<std::int64_t> window_weights_;
   std::vector<std::uint32_t> reached_;
   std::uint32_t stamp_ = 0;
-  std::size_t n_iterations_ = 0, n_nodes_ = 0;
+  std::size_t n_iterations_ = 0;
 };
 
 }  // namespace framehex

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/canonical_order.hpp"
-#include "framehex/selection/greedy.hpp"
+#include "framehex/selection/contender_search.hpp"
 #include "framehex/selection/relaxation_search.hpp"
 
 namespace framehex {
@@ -35,41 +34,26 @@ struct SelectOptions {
 
 namespace detail {
 
-/// The course of `select` for `best` and `exact`.
+/// A selection and a bound, in units.
+struct Draft {
+  std::vector<index_t> members;
+  std::int64_t weight = 0, bound = 0;
+  std::size_t iterations = 0;
+};
+
+/// Bound and selection drawn together, on a graph in canonical order.
 template <Executor E>
 class Selector {
 public:
   Selector(const IncompatibilityGraph& graph, const SelectOptions& options, const E& executor, Deadline& deadline)
       : graph_(graph), options_(options), executor_(executor), deadline_(deadline) {}
 
-  Selection run() {
-    Selection result;
-    std::int64_t bound = partition_bound(graph_);
-    result.members = select_dynamically(graph_, [this] { return deadline_.passed(); });
-    std::int64_t weight = weight_in_units(graph_, result.members);
-    if (weight < bound && !deadline_.passed()) {
-      IteratedSearch search(graph_, result.members, options_.seed);
-      // Where lattices do not meet, greedy is hard to beat.
-      if (!deadline_.passed()) search.offer(select_greedily(graph_));
-      if (search.weight_in_units() < bound) {
-        std::vector<index_t> places(graph_.size());
-        std::iota(places.begin(), places.end(), index_t{0});
-        perturb(search, places, graph_.size() / 16 + 1);
-        if (options_.max_rounds > 0 && !deadline_.passed()) bound = std::min(bound, improve(search));
-      }
-      result.members = search.members();
-      weight = search.weight_in_units();
-      result.iterations = n_iterations_ + search.iterations();
-    }
-    result.weight = from_units(graph_, weight);
-    result.bound = from_units(graph_, std::max(bound, weight));
-    if (weight >= bound)
-      result.status = SelectionStatus::optimal;
-    else if (deadline_.cancelled())
-      result.status = SelectionStatus::cancelled;
-    else if (options_.method == SelectMethod::best && result.gap() <= options_.gap)
-      result.status = SelectionStatus::gap_reached;
-    return result;
+  void improve(Draft& draft) {
+    IteratedSearch search(graph_, draft.members, options_.seed);
+    draft.bound = std::min(draft.bound, tighten(search));
+    draft.members = search.members();
+    draft.weight = search.weight_in_units();
+    draft.iterations += n_iterations_ + search.iterations();
   }
 
 private:
@@ -81,24 +65,22 @@ private:
     return static_cast<std::int64_t>(std::floor(static_cast<double>(weight) / (1 - std::min(options_.gap, 0.999999))));
   }
 
-  void perturb(IteratedSearch& search, std::span<const index_t> places, std::size_t n) {
-    constexpr std::size_t chunk = 1000;
-    for (std::size_t done = 0; done < n && !places.empty() && !deadline_.passed(); done += chunk)
-      search.perturb(places, std::min(chunk, n - done));
-  }
-
-  /// 50 iterations of the bound.
-  void relax(LpBound& relaxation, CliqueSeparator& separator) {
-    for (int i = 0; i < 2 && !deadline_.passed(); ++i) {
-      for (int j = 0; j < 5 && !deadline_.passed(); ++j) relaxation.iterate(5, executor_);
-      if (!proof_wanted()) relaxation.add_cliques(separator.separate(relaxation, CliqueSeparator::Effort::quick));
+  /// 50 iterations of the bound, fewer when the goal is reached.
+  void relax(LpBound& relaxation, CliqueSeparator& separator, std::int64_t goal) {
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 5; ++j) {
+        if (relaxation.bound() <= goal || deadline_.passed()) return;
+        relaxation.iterate(5, executor_);
+        n_iterations_ += 5;
+        n_passes_ += 5 * static_cast<double>(relaxation.cover().cliques.values.size());
+      }
+      if (!proof_wanted() && relaxation.bound() > goal)
+        relaxation.add_cliques(separator.separate(relaxation, CliqueSeparator::Effort::quick));
     }
-    n_iterations_ += 50;
-    n_passes_ += 50 * static_cast<double>(relaxation.cover().cliques.values.size());
   }
 
-  /// Bound and selection draw together. @return the bound.
-  std::int64_t improve(IteratedSearch& search) {
+  /// @return the bound.
+  std::int64_t tighten(IteratedSearch& search) {
     // The tree search needs every conflict in a clique; a large graph is better off with those that matter.
     const auto stop = [this] { return deadline_.passed(); };
     LpBound relaxation(proof_wanted() ? cover_by_cliques(graph_, stop) : cover_by_partitions(graph_, 6, stop),
@@ -108,12 +90,12 @@ private:
     const auto work_left = [&] { return proof_wanted() || n_passes_ < max_passes; };
     for (std::size_t round = 0; round < options_.max_rounds && work_left(); ++round) {
       const std::int64_t before = relaxation.bound();
-      relax(relaxation, separator);
+      relax(relaxation, separator, goal(search.weight_in_units()));
       deadline_.set_fraction(static_cast<double>(round) / static_cast<double>(options_.max_rounds));
       search.offer(round_relaxation(graph_, relaxation.primal()));
       if (relaxation.bound() <= goal(search.weight_in_units()) || deadline_.passed()) break;
       const std::vector<index_t> places = doubtful(search, relaxation.primal());
-      perturb(search, places, places.size());
+      search.perturb(places, places.size(), stop);
       if (relaxation.bound() <= goal(search.weight_in_units()) || deadline_.passed()) break;
       if (round < 3 || before - relaxation.bound() > (before - search.weight_in_units()) / 20) continue;
       const auto cliques = separator.separate(relaxation, CliqueSeparator::Effort::thorough);
@@ -147,6 +129,43 @@ private:
   double n_passes_ = 0;
 };
 
+/// The first selection and a rough bound, without a pass over all conflicts more often than must be.
+inline Draft first_draft(const IncompatibilityGraph& graph, std::span<const std::uint64_t> signature,
+                         std::uint64_t seed, Deadline& deadline) {
+  const auto key = [&](index_t v) { return signature[v]; };
+  Draft draft;
+  complete(graph, draft.members, key);
+  draft.bound = partition_bound(graph, key);
+  draft.weight = weight_in_units(graph, draft.members);
+  // Where lattices do not meet, greedy is hard to beat.
+  if (draft.weight >= draft.bound) return draft;
+  ContenderSearch search(graph, signature, seed, deadline);
+  draft.members = search.improve(std::move(draft.members));
+  draft.weight = weight_in_units(graph, draft.members);
+  draft.iterations = search.iterations();
+  return draft;
+}
+
+/// The course of `select` for `best` and `exact`.
+template <Executor E>
+Draft draft_selection(const IncompatibilityGraph& graph, const SelectOptions& options, const E& executor,
+                      Deadline& deadline) {
+  // Ties are broken by what candidates look like, so that the caller's numbers do not matter.
+  const std::vector<std::uint64_t> signature = signatures(graph, 3);
+  Draft draft = first_draft(graph, signature, options.seed, deadline);
+  if (draft.weight >= draft.bound || options.max_rounds == 0 || deadline.passed()) return draft;
+  const std::vector<index_t> order = canonical_order(graph, signature);
+  const IncompatibilityGraph renumbered = renumber(graph, order, [&] { return deadline.passed(); });
+  if (deadline.passed()) return draft;
+  std::vector<index_t> number(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<index_t>(i);
+  for (index_t& v : draft.members) v = number[v];
+  Selector<E>(renumbered, options, executor, deadline).improve(draft);
+  for (index_t& v : draft.members) v = order[v];
+  std::sort(draft.members.begin(), draft.members.end());
+  return draft;
+}
+
 }  // namespace detail
 
 /// Selects candidates that can stand in one mesh, of the largest weight that the budget allows, and proves how far from
@@ -157,9 +176,8 @@ private:
 /// @param executor  runs the iterations of the bound.
 /// @return members, ascending, independent and maximal whatever the status; weight, bound, gap, iterations.
 /// @throws invalid_option  when the gap is not in [0, 1] or the time is negative.
-/// @par Complexity   `greedy` O(n log n + conflicts). `best` some ten microseconds a candidate for the first selection,
-///                   then about a tenth of a millisecond for each candidate and 1000 iterations of the bound; memory as
-///                   the graph again.
+/// @par Complexity   `greedy` O(n log n + conflicts). `best` two to four microseconds a candidate for the first
+///                   selection, then some fifty for a gap of half a percent; memory as the graph again.
 /// @par Determinism  The same for any executor and run, unless the time or the observer ends it. `best` and `exact` do
 /// not
 ///                   depend on the numbers of the candidates either, but where candidates look alike (weight and
@@ -171,28 +189,29 @@ Selection select(const IncompatibilityGraph& graph, const SelectOptions& options
   if (!(options.gap >= 0 && options.gap <= 1)) throw invalid_option("the gap of a selection must lie in [0, 1]");
   if (!(options.seconds >= 0)) throw invalid_option("the seconds for a selection must not be negative");
   detail::Deadline deadline(options.seconds, options.observer);
-  Selection selection;
-  selection.members = select_greedily(graph);
-  const std::int64_t weight = detail::weight_in_units(graph, selection.members);
-  selection.weight = detail::from_units(graph, weight);
+  detail::Draft draft;
+  draft.members = select_greedily(graph);
+  draft.weight = detail::weight_in_units(graph, draft.members);
   if (options.method == SelectMethod::greedy) {
-    selection.bound = detail::from_units(graph, std::max(weight, partition_bound(graph)));
-    if (selection.weight == selection.bound) selection.status = SelectionStatus::optimal;
-    return selection;
+    draft.bound = partition_bound(graph);
+  } else {
+    detail::Draft searched = detail::draft_selection(graph, options, executor, deadline);
+    // A search that its budget ends at once may be behind greedy where equal weights go by number.
+    if (searched.weight < draft.weight) searched.members = std::move(draft.members), searched.weight = draft.weight;
+    draft = std::move(searched);
   }
-  // Searched under numbers of its own, so that the caller's do not matter.
-  const std::vector<index_t> order = detail::canonical_order(graph);
-  const IncompatibilityGraph renumbered = detail::renumber(graph, order);
-  Selection searched = detail::Selector<E>(renumbered, options, executor, deadline).run();
-  for (index_t& v : searched.members) v = order[v];
-  std::sort(searched.members.begin(), searched.members.end());
-  // A budget that ends the search early may leave it behind what greedy has.
-  if (searched.weight < selection.weight) {
-    searched.members = std::move(selection.members);
-    searched.weight = selection.weight;
-    if (searched.weight == searched.bound) searched.status = SelectionStatus::optimal;
-  }
-  return searched;
+  Selection selection;
+  selection.weight = detail::from_units(graph, draft.weight);
+  selection.bound = detail::from_units(graph, std::max(draft.bound, draft.weight));
+  selection.members = std::move(draft.members);
+  selection.iterations = draft.iterations;
+  if (draft.weight >= draft.bound)
+    selection.status = SelectionStatus::optimal;
+  else if (deadline.cancelled())
+    selection.status = SelectionStatus::cancelled;
+  else if (options.method == SelectMethod::best && selection.gap() <= options.gap)
+    selection.status = SelectionStatus::gap_reached;
+  return selection;
 }
 
 }  // namespace framehex

@@ -42,8 +42,19 @@ inline double from_units(const IncompatibilityGraph& graph, std::int64_t units) 
   return static_cast<double>(units) * graph.unit();
 }
 
-/// Adds what still fits, heaviest first among equals by number: makes a set maximal.
-inline void complete(const IncompatibilityGraph& graph, std::vector<index_t>& members) {
+/// Candidates by falling weight, equal ones by rising `key(v)`, then by number.
+template <class Key>
+void sort_by_falling_weight(const IncompatibilityGraph& graph, std::vector<index_t>& candidates, Key&& key) {
+  const auto weights = graph.weights_in_units();
+  std::sort(candidates.begin(), candidates.end(), [&](index_t u, index_t v) {
+    if (weights[u] != weights[v]) return weights[u] > weights[v];
+    return key(u) != key(v) ? key(u) < key(v) : u < v;
+  });
+}
+
+/// Adds what still fits, heaviest first, among equals by rising `key(v)`: makes a set maximal.
+template <class Key>
+void complete(const IncompatibilityGraph& graph, std::vector<index_t>& members, Key&& key) {
   std::vector<std::uint8_t> blocked(graph.size(), 0);
   for (const index_t v : members) {
     blocked[v] = 1;
@@ -52,14 +63,17 @@ inline void complete(const IncompatibilityGraph& graph, std::vector<index_t>& me
   std::vector<index_t> open;
   for (index_t v = 0; v < graph.size(); ++v)
     if (!blocked[v]) open.push_back(v);
-  const auto weights = graph.weights_in_units();
-  std::stable_sort(open.begin(), open.end(), [&](index_t u, index_t v) { return weights[u] > weights[v]; });
+  sort_by_falling_weight(graph, open, key);
   for (const index_t v : open) {
     if (blocked[v]) continue;
     members.push_back(v);
     for (const index_t u : graph.neighbours(v)) blocked[u] = 1;
   }
   std::sort(members.begin(), members.end());
+}
+
+inline void complete(const IncompatibilityGraph& graph, std::vector<index_t>& members) {
+  complete(graph, members, [](index_t v) { return v; });
 }
 
 }  // namespace detail
