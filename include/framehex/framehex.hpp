@@ -39,6 +39,7 @@
 #include "framehex/field/frame_field.hpp"
 #include "framehex/field/frame_measures.hpp"
 #include "framehex/field/laplace_solver.hpp"
+#include "framehex/field/loop_removal.hpp"
 #include "framehex/field/nearest_start.hpp"
 #include "framehex/field/quartic_frame.hpp"
 #include "framehex/field/singular_graph.hpp"

@@ -98,6 +98,36 @@ TEST_CASE("the closest matching equals brute force over the 24") {
   CHECK(greatest > 1.05);
 }
 
+TEST_CASE("ties go to fewer components, then to the earlier, and to positive signs") {
+  // All rotations of small whole components, which are full of ties, with both zeros.
+  const auto signs = [](const Quaternion& g) { return std::array{g.w() < 0, g.x() < 0, g.y() < 0, g.z() < 0}; };
+  const auto zeros = [](const Quaternion& g) { return std::array{g.w() == 0, g.x() == 0, g.y() == 0, g.z() == 0}; };
+  const std::vector<double> values{-3, -2, -1, -0.0, 0, 1, 2, 3};
+  for (const double w : values)
+    for (const double x : values)
+      for (const double y : values)
+        for (const double z : values) {
+          const Quaternion q(w, x, y, z);
+          if (q.norm() == 0) continue;
+          double cosine = 0;
+          for (int g = 0; g < 24; ++g) cosine = std::max(cosine, std::abs(q.dot(Group::element(g))));
+          // Both signs of each element are tried, so that the sign of a component means something.
+          std::vector<std::pair<Quaternion, int>> ties;
+          for (int g = 0; g < 24; ++g)
+            for (const double sign : {1.0, -1.0})
+              if (sign * q.dot(Group::element(g)) > cosine - 1e-12)
+                ties.emplace_back(Quaternion(sign * Group::element(g).coeffs()), g);
+          const auto rank = [&](const auto& tie) {
+            const auto zero = zeros(tie.first);
+            return std::tuple(-std::count(zero.begin(), zero.end(), true), zero, signs(tie.first));
+          };
+          const auto first = std::min_element(ties.begin(), ties.end(),
+                                              [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+          REQUIRE(Group::nearest(q) == first->second);
+          REQUIRE(CubeRotationGroup<float>::nearest(q.cast<float>()) == first->second);
+        }
+}
+
 TEST_CASE("a matching takes one frame to the other") {
   std::mt19937_64 engine(2);
   for (int i = 0; i < 10'000; ++i) {

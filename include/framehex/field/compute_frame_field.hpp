@@ -38,8 +38,9 @@ struct FieldOptions {
 
 /// How a field was made.
 struct FieldReport {
-  DiffusionReport diffusion;  ///< of `best`
-  SmoothingReport smoothing;  ///< of `smoothed`, and the polish of `best`
+  DiffusionReport diffusion;      ///< of `best`
+  SmoothingReport smoothing;      ///< of `smoothed`, and the polish of `best`
+  std::size_t removed_loops = 0;  ///< after the polish of `best`; see `remove_small_loops`
   Status status = Status::complete;
 };
 
@@ -75,6 +76,7 @@ FieldReport fill_field(FrameField<Mesh>& field, const IndexedTriangleMesh& surfa
         polish.edge_weights = weights;
       }
       report.smoothing = field.smooth(polish, executor);
+      if (report.smoothing.status != Status::cancelled) report.removed_loops = field.remove_small_loops();
     }
   }
   if (report.diffusion.status == Status::cancelled || report.smoothing.status == Status::cancelled)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/field/frame_diffusion.hpp"
+#include "framehex/field/loop_removal.hpp"
 #include "framehex/field/nearest_start.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/field/smoothing.hpp"
@@ -108,6 +109,13 @@ public:
         std::span<const FrameConstraint>(constraints_), std::span<const Vector3>(axes_), options, executor);
     smoothness_ = frame_smoothness(adjacency(), frames_, executor);
     return report;
+  }
+
+  /// See `framehex::remove_small_loops`.
+  std::size_t remove_small_loops() {
+    const std::size_t n_removed = framehex::remove_small_loops(adjacency(), frames_, constraints_, axes_);
+    if (n_removed > 0) smoothness_ = frame_smoothness(adjacency(), frames_);
+    return n_removed;
   }
 
   /// See `framehex::singular_graph`.
