@@ -23,7 +23,6 @@ namespace {
 struct Model {
   const char* file;
   double h;
-  std::size_t n_unremoved;  // input vertices that the retriangulation may have to keep
 };
 
 IndexedTriangleMesh read(const Model& model) {
@@ -82,8 +81,8 @@ std::set<std::array<index_t, 3>> boundary_of(const IndexedTetMesh& mesh) {
 }  // namespace
 
 TEST_CASE("on six models the second mesh has every sample and point as a vertex, and the surface, and no more") {
-  const Model model = GENERATE(Model{"dome.ply", 0.2, 0}, Model{"naca.ply", 0.045, 0}, Model{"piece.ply", 0.16, 0},
-                               Model{"fuselage.ply", 0.2, 2}, Model{"blade.ply", 0.03, 0}, Model{"bunny.stl", 0.26, 0});
+  const Model model = GENERATE(Model{"dome.ply", 0.2}, Model{"naca.ply", 0.045}, Model{"piece.ply", 0.16},
+                               Model{"fuselage.ply", 0.2}, Model{"blade.ply", 0.03}, Model{"bunny.stl", 0.26});
   INFO(model.file);
   const IndexedTriangleMesh input = read(model);
   const auto size = [&](const Vector3&) { return model.h; };
@@ -106,11 +105,11 @@ TEST_CASE("on six models the second mesh has every sample and point as a vertex,
     if (sample.kind == SampleKind::curve)
       REQUIRE(distance_to_polyline(sample.point, features.curves[sample.entity], surface.points) < 1e-9 * model.h);
   const Retriangulation boundary = retriangulate(surface, features, samples.samples);
-  CHECK(boundary.n_unremoved <= model.n_unremoved);
-  CHECK(boundary.n_added == 0);
+  CHECK(boundary.n_unremoved == 0);
+  CHECK(200 * boundary.n_added <= samples.samples.size());
   CHECK(boundary.n_crossings == 0);
   CHECK(deviation(boundary.surface, input) < 0.01 * diagonal(input));
-  CHECK(deviation(input, boundary.surface) < 0.015 * diagonal(input));
+  CHECK(deviation(input, boundary.surface) < 0.01 * diagonal(input));
 
   const SurfaceLocator locator(boundary.surface);
   const VolumeInsertion volume = insert_volume_points(samples.seeds(), field, size, SurfaceDomain{locator});
