@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // All stages up to the second tetrahedral mesh on six models: a dome, a wing, a bracket with bores, a body with fins, a
-// blade with cavities, a scanned bunny. The .ply files are coarse boundary triangulations of the larger models.
+// blade with cavities, a scanned bunny. The .ply files are coarse boundary triangulations of the larger models; that of
+// the bracket is so coarse that the rim of a bore is no feature of it.
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/insertion/background.hpp"
@@ -23,7 +24,7 @@ namespace {
 struct Model {
   const char* file;
   double h;
-  std::size_t n_unremoved;  // input vertices that the retriangulation may have to keep
+  double deviation = 0.01;  // of the input from the boundary, in diagonals
 };
 
 IndexedTriangleMesh read(const Model& model) {
@@ -82,8 +83,8 @@ std::set<std::array<index_t, 3>> boundary_of(const IndexedTetMesh& mesh) {
 }  // namespace
 
 TEST_CASE("on six models the second mesh has every sample and point as a vertex, and the surface, and no more") {
-  const Model model = GENERATE(Model{"dome.ply", 0.2, 0}, Model{"naca.ply", 0.045, 0}, Model{"piece.ply", 0.16, 0},
-                               Model{"fuselage.ply", 0.2, 2}, Model{"blade.ply", 0.03, 0}, Model{"bunny.stl", 0.26, 0});
+  const Model model = GENERATE(Model{"dome.ply", 0.2}, Model{"naca.ply", 0.045}, Model{"piece.ply", 0.16, 0.015},
+                               Model{"fuselage.ply", 0.2}, Model{"blade.ply", 0.03}, Model{"bunny.stl", 0.26});
   INFO(model.file);
   const IndexedTriangleMesh input = read(model);
   const auto size = [&](const Vector3&) { return model.h; };
@@ -106,11 +107,11 @@ TEST_CASE("on six models the second mesh has every sample and point as a vertex,
     if (sample.kind == SampleKind::curve)
       REQUIRE(distance_to_polyline(sample.point, features.curves[sample.entity], surface.points) < 1e-9 * model.h);
   const Retriangulation boundary = retriangulate(surface, features, samples.samples);
-  CHECK(boundary.n_unremoved <= model.n_unremoved);
-  CHECK(boundary.n_added == 0);
+  CHECK(boundary.n_unremoved == 0);
+  CHECK(200 * boundary.n_added <= samples.samples.size());
   CHECK(boundary.n_crossings == 0);
   CHECK(deviation(boundary.surface, input) < 0.01 * diagonal(input));
-  CHECK(deviation(input, boundary.surface) < 0.015 * diagonal(input));
+  CHECK(deviation(input, boundary.surface) < model.deviation * diagonal(input));
 
   const SurfaceLocator locator(boundary.surface);
   const VolumeInsertion volume = insert_volume_points(samples.seeds(), field, size, SurfaceDomain{locator});

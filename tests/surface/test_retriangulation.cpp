@@ -170,6 +170,35 @@ TEST_CASE("walls thinner than the spacing are repaired, not crossed") {
     CHECK(locator.nearest(r.surface.points[i]).distance < 1e-12);
 }
 
+TEST_CASE("a horn that no sample stands on is not cut off") {
+  auto surface = test::sphere_surface(1, 5);
+  for (Vector3& p : surface.points) {
+    const double angle = std::atan2(p.head<2>().norm(), p.z());
+    p *= 1 + 0.6 * std::max(0.0, 1 - angle / 0.3);
+  }
+  const FeatureGraph features = detect_features(surface, make_adjacency(surface), {.angle = 3});
+  REQUIRE(features.curves.size() == 0);
+  auto samples = test::scatter_samples(surface, features, 0.25);
+  std::erase_if(samples, [](const SurfaceSample& s) { return s.point.norm() > 1.001; });
+  const auto farthest = [&](const Retriangulation& r) {
+    const SurfaceLocator locator(r.surface);
+    double most = 0;
+    for (const Vector3& p : surface.points) most = std::max(most, locator.nearest(p).distance);
+    return most / diagonal(surface);
+  };
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const Retriangulation cut = retriangulate(surface, features, samples, {.max_deviation = never});
+  CHECK(cut.n_added == 0);
+  CHECK(farthest(cut) > 0.1);
+  const Retriangulation r = retriangulate(surface, features, samples);
+  CHECK(r.n_added > 0);
+  CHECK(farthest(r) < 0.03);
+  validate_closed(r.surface);
+  CHECK(find_self_intersections(r.surface).empty());
+  const SurfaceLocator locator(surface);
+  for (const Vector3& p : r.surface.points) CHECK(locator.nearest(p).distance < 1e-12);
+}
+
 TEST_CASE("input vertices that are corners without a sample stay and are counted") {
   const auto surface = test::box_surface({1, 1, 1});
   const FeatureGraph features = detect_features(surface, make_adjacency(surface));

@@ -17,7 +17,8 @@ namespace framehex {
 /// `push(index, smoothness, generation)` adds a point (generation: steps from the seeds; smoothness: 1 where the frame
 /// field is constant), `pop()` takes the next index out, `empty()` says whether there is one. `default_rejection` is
 /// the least distance between points in the infinity norm, in units of the size, that suits the order;
-/// `default_surface_rejection`, where there is one, the same for surfaces.
+/// `default_surface_rejection`, where there is one, the same for surfaces, and `default_least_move` the least
+/// correction of a relaxation, in sizes.
 template <class Q>
 concept InsertionOrder = std::copyable<Q> && requires(Q queue, const Q& constant, index_t i, double smoothness) {
   queue.push(i, smoothness, i);
@@ -58,6 +59,7 @@ class SmoothnessOrder {
 public:
   static constexpr double default_rejection = 0.6;
   static constexpr double default_surface_rejection = 0.65;
+  static constexpr double default_least_move = 0.02;
 
   /// @param n_bins  bins of the smoothness interval [0, 1], 1 to 255; a negative smoothness falls into the lowest.
   /// @throws invalid_option  when `n_bins` is out of range.
@@ -92,6 +94,15 @@ constexpr double surface_rejection() {
     return Order::default_surface_rejection;
   } else {
     return Order::default_rejection;
+  }
+}
+
+template <InsertionOrder Order>
+constexpr double least_move() {
+  if constexpr (requires { Order::default_least_move; }) {
+    return Order::default_least_move;
+  } else {
+    return 0.005;
   }
 }
 

@@ -114,7 +114,8 @@ private:
   };
 
   static bool contains(const Vector3& low, const Vector3& high, const Vector3& p) {
-    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+    return p.x() >= low.x() && p.x() <= high.x() && p.y() >= low.y() && p.y() <= high.y() && p.z() >= low.z() &&
+           p.z() <= high.z();
   }
 
   Cell cell_of(const Vector3& p, int level) const {
@@ -124,7 +125,9 @@ private:
   // Far outside of what a key can hold the cells coincide, which costs time and no result.
   static std::int64_t index(double x) {
     constexpr double limit = 1e15;
-    return static_cast<std::int64_t>(std::floor(x > limit ? limit : x < -limit ? -limit : x));
+    const double within = x > limit ? limit : x < -limit ? -limit : x;
+    const auto whole = static_cast<std::int64_t>(within);  // std::floor would be a call
+    return whole - (static_cast<double>(whole) > within ? 1 : 0);
   }
   static std::uint64_t slot(const Cell& c) {
     return static_cast<std::uint64_t>((c[0] & 3) | (c[1] & 3) << 2 | (c[2] & 3) << 4);

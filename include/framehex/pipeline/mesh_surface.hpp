@@ -35,6 +35,7 @@ struct MeshingOptions {
   PointOrder order = PointOrder::smoothness;
   CurveOptions curves = {};
   SurfaceOptions surface = {};
+  RetriangulationOptions retriangulation = {};
   VolumeOptions volume = {};
   RecombineOptions recombination = {};         ///< its boundary projection, when empty, becomes one to the surface
   std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
@@ -54,7 +55,7 @@ struct MeshingStatistics {
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
-  std::size_t n_repair_vertices = 0;     ///< vertices added where triangles of the wished size would have crossed
+  std::size_t n_repair_vertices = 0;     ///< added where triangles of the wished size would leave the input, or cross
   std::size_t n_tets = 0;                ///< of the second mesh
 };
 
@@ -189,7 +190,7 @@ private:
 
   bool retriangulate_surface() {
     if (!going("retriangulation", 0)) return false;
-    boundary_ = retriangulate(surface_, features_, samples_.samples);
+    boundary_ = retriangulate(surface_, features_, samples_.samples, options_.retriangulation);
     result_.statistics.n_unremoved_vertices = boundary_.n_unremoved;
     result_.statistics.n_repair_vertices = boundary_.n_added;
     if (boundary_.n_crossings > 0)

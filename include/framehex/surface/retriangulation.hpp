@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/surface/detail/sample_insertion.hpp"
+#include "framehex/surface/detail/surface_fit.hpp"
 #include "framehex/surface/detail/vertex_removal.hpp"
 
 namespace framehex {
@@ -11,14 +13,18 @@ struct Retriangulation {
   IndexedTriangleMesh surface;  ///< vertices: the samples in their order, then others
   FeatureGraph features;        ///< of `surface`; the corners, curves and patches of the input
   std::size_t n_unremoved = 0;  ///< input vertices that are no samples and had to stay
-  std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface from crossing itself
+  std::size_t n_added =
+      0;  ///< new vertices, after those, that keep the surface near the input and from crossing itself
   std::size_t n_crossings = 0;  ///< pairs of triangles that cross all the same
 };
 
 /// What a retriangulation may do.
 struct RetriangulationOptions {
   double max_bend = 60 * std::numbers::pi / 180;  ///< rad; a new triangle's normal from the input's nearby
-  int repair_rounds = 12;                         ///< cuts against self-intersections; -1: do not even look for them
+  /// In diagonals of the input's bounding box, > 0: vertices of the input that would lie farther from the result come
+  /// back, unless that is less than 0.4 of the edges there. Infinite: none does.
+  double max_deviation = 0.0075;
+  int repair_rounds = 12;  ///< cuts against self-intersections; -1: do not even look for them
 };
 
 namespace detail {
@@ -31,6 +37,7 @@ public:
         features_(features),
         samples_(samples),
         options_(options),
+        diagonal_(bounding_box(input.points).diagonal().norm()),
         surface_(input, adjacency_, features),
         normals_(surface_, adjacency_),
         chains_(input.points, features.curves),
@@ -43,8 +50,11 @@ public:
     remover.flipper().run(DelaunayFlipper::Scope::within_patches);
     remove_unwanted(remover);
     chains_.drop_dead([&](index_t v) { return surface_.half_edge_of[v] != no_index; });
-    std::size_t n_crossings = 0;
     first_added_ = static_cast<index_t>(surface_.points.size());
+    const double tolerance = options_.max_deviation * diagonal_;
+    if (std::isfinite(tolerance))
+      SurfaceFit(surface_, normals_, remover.flipper(), features_, tolerance).run(fit_rounds);
+    std::size_t n_crossings = 0;
     if (options_.repair_rounds >= 0)
       n_crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper()).run(options_.repair_rounds);
     Retriangulation r = result();
@@ -53,6 +63,8 @@ public:
   }
 
 private:
+  static constexpr int fit_rounds = 12;
+
   /// Vertices inside patches first: those on curves would otherwise have to step over them.
   void remove_unwanted(VertexRemover& remover) {
     std::vector<index_t> inside, on_curves;
@@ -110,6 +122,7 @@ private:
   const FeatureGraph& features_;
   std::span<const SurfaceSample> samples_;
   RetriangulationOptions options_;
+  double diagonal_;  // of the box round the input
   EditableSurface surface_;
   SectorNormals normals_;
   CurveChains chains_;
