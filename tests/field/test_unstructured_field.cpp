@@ -37,8 +37,8 @@ std::size_t lines_across(const SingularGraph& graph) {
 TEST_CASE("an unstructured cylinder has four singular lines from lid to lid, at any density and in any direction") {
   std::uint64_t seed = 0;
   for (const index_t rings : {3U, 4U, 5U, 6U, 7U})
-    for (const double volume : {2e-3, 5e-4}) {
-      for (int direction = 0; direction < 3; ++direction) {
+    for (const auto& [volume, n_directions] : {std::pair{4e-3, 12}, {2e-3, 3}, {5e-4, 3}})  // the coarsest is hardest
+      for (int direction = 0; direction < n_directions; ++direction) {
         const IndexedTetMesh mesh = fill_turned(test::ringed_cylinder_surface(0.5, 2, rings), volume, ++seed);
         CAPTURE(rings, volume, seed, mesh.tets.size());
         const SingularGraph graph = compute_frame_field(mesh).singular_graph();
@@ -46,7 +46,6 @@ TEST_CASE("an unstructured cylinder has four singular lines from lid to lid, at 
         CHECK(graph.curves.size() == 4);
         CHECK(graph.boundary_facets.size() == 8);
       }
-    }
 }
 
 TEST_CASE("an unstructured ball has eight singular points, and a cube none, at any density and in any direction") {

@@ -4,6 +4,7 @@
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "support/ply.hpp"
 #include "support/stl.hpp"
 #include "support/surface_checks.hpp"
 #include "support/surfaces.hpp"
@@ -129,7 +130,10 @@ TEST_CASE("the indices sum to the Euler characteristic on closed surfaces") {
   for (const Model& model :
        {Model{test::sphere_surface(1, 3), 1}, Model{test::torus_surface(1, 0.4, 40, 20), 1},
         Model{test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl"), 1}, Model{test::l_shape_surface(), 0.2},
-        Model{test::cylinder_surface(0.5, 0.01, 7), 0.3}, Model{test::box_surface({1, 1, 1e-3}), 0.1}}) {
+        Model{test::cylinder_surface(0.5, 0.01, 7), 0.3}, Model{test::box_surface({1, 1, 1e-3}), 0.1},
+        // A bracket with five bores and a blade with three cavities through: of genus 5 and 3.
+        Model{test::read_ply(FRAMEHEX_TEST_DATA "/piece.ply"), 0.2},
+        Model{test::read_ply(FRAMEHEX_TEST_DATA "/blade.ply"), 0.05}}) {
     const Case c = solve(model.surface, model.length);
     check_frames(c);
     CHECK(index_sum(c.field) == 4 * test::euler_characteristic(c.surface));

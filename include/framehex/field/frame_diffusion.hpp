@@ -14,9 +14,9 @@ enum class DiffusionStart {
 
 struct DiffusionOptions {
   DiffusionStart start = DiffusionStart::harmonic;
-  int max_steps = 12;       ///< of diffusion and projection after the start; 0: the start only
-  double time_factor = 50;  ///< step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
-  double settled = 1e-3;    ///< ends when the root mean square of the change of a short step is less (rad)
+  int max_steps = 20;        ///< of diffusion and projection after the start; 0: the start only
+  double time_factor = 200;  ///< step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
+  double settled = 1e-3;     ///< ends when the root mean square of the change of a short step is less (rad)
   /// Relative, of the linear solves. The residual of a smooth error is small, the smaller the finer the mesh: at 1e-3
   /// the long waves, which singular lines follow, are not solved for.
   double tolerance = 1e-5;

@@ -224,7 +224,7 @@ using FifoInserter = VolumeInserter<FifoOrder, Frames, Size, D, Proximity>;
 /// @param size    wished distance between neighbours, host's unit; asked for up to one size outside the domain.
 /// @param domain  distance to the boundary, e.g. `SurfaceDomain`.
 /// @throws as `VolumeInserter`.
-/// @par Complexity   O(n) proposals, each of one or two frame samples and a search; about 300 bytes a point.
+/// @par Complexity   O(n) proposals, each of one or two frame samples and a search; about 220 bytes a point.
 template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, FrameSource Frames,
           detail::SizeCallable Size, Domain D>
 VolumeInsertion insert_volume_points(std::span<const BoundarySeed> seeds, const Frames& frames, const Size& size,
