@@ -120,6 +120,34 @@ TEST_CASE("a singular line of known place and index is found") {
   }
 }
 
+TEST_CASE("a line that closes round one edge is removed, and nothing else is touched") {
+  const IndexedTetMesh mesh = test::kuhn_lattice(6);
+  const TetAdjacency adjacency = make_adjacency(mesh);
+  // Neighbours in the middle, each turned by a little more than a quarter of a right angle from all others: one
+  // another's nearest forms are a quarter turn from those that lead over any third vertex.
+  const index_t v = 3 + 7 * (3 + 7 * 3), w = v + 1;
+  const auto z = [](double degrees) {
+    return Quaternion(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vector3::UnitZ()));
+  };
+  const std::vector<Vector3> axes(mesh.points.size(), Vector3::UnitZ());
+  for (const FrameConstraint constraint : {FrameConstraint::none, FrameConstraint::axis, FrameConstraint::fixed}) {
+    std::vector<Quaternion> frames(mesh.points.size(), Quaternion::Identity());
+    std::vector<FrameConstraint> constraints(frames.size(), FrameConstraint::none);
+    frames[v] = z(23);
+    frames[w] = z(-23);
+    constraints[w] = constraint;
+    const std::vector<Quaternion> before = frames;
+    REQUIRE_FALSE(singular_graph(adjacency, mesh.points, frames).facets.empty());
+    CHECK(remove_small_loops(adjacency, frames, constraints, axes) == 1);
+    CHECK(singular_graph(adjacency, mesh.points, frames).facets.empty());
+    for (index_t u = 0; u < frames.size(); ++u) {
+      const bool may_turn = u == v || (u == w && constraint != FrameConstraint::fixed);
+      CHECK((Group::angle(frames[u], before[u]) > 1e-6) == may_turn);
+    }
+    CHECK(remove_small_loops(adjacency, frames, constraints, axes) == 0);
+  }
+}
+
 TEST_CASE("singular facets of any field form lines without loose ends inside") {
   const IndexedTetMesh mesh = test::kuhn_lattice(4);
   const TetAdjacency adjacency = make_adjacency(mesh);

@@ -13,6 +13,10 @@ namespace framehex::detail {
 /// them; with a new apex it raises a pyramid or splits a cell from its centre. Since the faces stay, so do all cells
 /// around, and when every new cell is positive the volume is filled exactly once.
 struct Cavity {
+  /// Larger ones are not tried: filling takes the square of their size, and a ring of so many cells is no better
+  /// filled.
+  static constexpr std::size_t most_cells = 60;
+
   std::vector<index_t> cells;
   std::vector<std::array<index_t, 4>> faces;  ///< anticlockwise seen from outside; a triangle's fourth is `no_index`
   std::vector<index_t> vertices;              ///< of the faces, ascending

@@ -49,6 +49,13 @@ public:
       smooth(3, true);
     }
     widen();
+    for (int round = 0; may_split && round < 3; ++round) {
+      const bool replaced = replace_stubborn(0.3, true);
+      if (!split_stuck_hexahedra() && !replaced) break;
+      smooth(3, true);
+      reconnect();
+      widen();
+    }
   }
 
   /// Works on all cells near the worst ones too: these are stuck because those have no room to give.
@@ -98,6 +105,19 @@ public:
       if (stubborn_.insert_vertex(b.cell) || (hexahedra_too && stubborn_.split_neighbour(b.cell))) ++n_replaced;
     }
     return n_replaced > 0;
+  }
+
+  /// A hexahedron that nothing has brought near its target is worth less than the pyramids it makes.
+  bool split_stuck_hexahedra() {
+    collect();
+    const std::vector<Bad> bad = bad_;
+    std::size_t n_split = 0;
+    for (const Bad& b : bad) {
+      if (b.worst >= least_hexahedron || !pulse_.beat(fraction_)) break;
+      const auto& cell = complex_.cells[b.cell];
+      if (cell.alive && cell.kind == CellKind::hexahedron && stubborn_.split_neighbour(b.cell, 0.5)) ++n_split;
+    }
+    return n_split > 0;
   }
 
   /// Finds the cells clearly below their target, worst first. @return the energy of all.
@@ -166,7 +186,9 @@ private:
     return found;
   }
 
-  static constexpr double stuck = 0.7;  ///< over the target
+  // Over the target.
+  static constexpr double stuck = 0.7;
+  static constexpr double least_hexahedron = 0.76;  ///< a little more than 0.3 of the default target
 
   CellComplex& complex_;
   QualityEnergy energy_;

@@ -43,7 +43,7 @@ private:
       else
         usable = false;
     });
-    if (usable && trial_.cells.size() > 1) try_cavity();
+    if (usable && trial_.cells.size() > 1 && trial_.cells.size() < Cavity::most_cells) try_cavity();
   }
 
   void try_face(index_t cell, const std::array<index_t, 4>& face) {
@@ -61,7 +61,7 @@ private:
       usable = usable && is_soft(complex_.cells[cell].kind);
       trial_.cells.push_back(cell);
     });
-    if (usable && trial_.cells.size() < 60) try_cavity();
+    if (usable && trial_.cells.size() < Cavity::most_cells) try_cavity();
   }
 
   void try_cavity() {

@@ -29,8 +29,9 @@ public:
   }
 
   /// Replaces the cell together with hexahedra and prisms that it has a face in common with.
-  bool split_neighbour(index_t cell) {
-    begin();
+  /// @param enough  quality of the new cells, over their target, that is enough however good the old ones were.
+  bool split_neighbour(index_t cell, double enough = 1.0) {
+    begin(enough);
     if (!is_soft(complex_.cells[cell].kind)) try_cavity({cell});
     for (std::size_t f = 0; f < complex_.n_faces(cell); ++f) {
       const index_t other = complex_.across(cell, complex_.face(cell, f));
@@ -42,7 +43,10 @@ public:
   }
 
 private:
-  void begin() { best_quality_ = -1; }
+  void begin(double enough = 1.0) {
+    best_quality_ = -1;
+    enough_ = enough;
+  }
 
   bool gather_ring(index_t v, index_t w) {
     ring_.clear();
@@ -52,7 +56,7 @@ private:
       usable = is_soft(complex_.cells[other].kind) && complex_.has_edge(other, v, w);
       ring_.push_back(other);
     });
-    return usable && ring_.size() > 1;
+    return usable && ring_.size() > 1 && ring_.size() < Cavity::most_cells;
   }
 
   void try_cavity(const std::vector<index_t>& cells) {
@@ -66,7 +70,7 @@ private:
     double worst = std::numeric_limits<double>::infinity();
     for (const index_t cell : trial_.cells) energy_.of(complex_, cell, worst);
     // The least improvement that is worth new cells.
-    if (quality <= best_quality_ || quality / energy_.other_target < std::min(1.5 * worst + 0.02, 1.0)) return;
+    if (quality <= best_quality_ || quality / energy_.other_target < std::min(1.5 * worst + 0.02, enough_)) return;
     best_quality_ = quality;
     best_point_ = point;
     best_ = trial_;
@@ -92,7 +96,7 @@ private:
   std::vector<index_t> ring_;
   Cavity trial_, best_;
   Vector3 best_point_ = Vector3::Zero();
-  double best_quality_ = -1;
+  double best_quality_ = -1, enough_ = 1;
 };
 
 }  // namespace framehex::detail
