@@ -22,7 +22,7 @@ public:
       for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
         const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
         const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
-        if (gather_ring(v, w)) try_cavity(ring_);
+        if (gather_ring(v, w, is_soft)) try_cavity(ring_);
       }
     }
     return commit(statistics_.n_raised);
@@ -39,6 +39,13 @@ public:
       try_cavity({other});
       try_cavity({cell, other});
     }
+    // A tetrahedron that lies flat under two triangles of the boundary hides them from all but what is round its edges.
+    if (best_quality_ <= 0 && is_soft(complex_.cells[cell].kind))
+      for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
+        const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
+        const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
+        if (gather_ring(v, w, [](CellKind) { return true; })) try_cavity(ring_);
+      }
     return commit(statistics_.n_split);
   }
 
@@ -48,12 +55,14 @@ private:
     enough_ = enough;
   }
 
-  bool gather_ring(index_t v, index_t w) {
+  /// The cells round an edge, if they all have it and are of a kind that may be taken apart.
+  template <class Usable>
+  bool gather_ring(index_t v, index_t w, Usable&& may_be_taken) {
     ring_.clear();
     bool usable = true;
     complex_.for_each_cell_at(v, [&](index_t other) {
       if (!usable || !complex_.has_vertex(other, w)) return;
-      usable = is_soft(complex_.cells[other].kind) && complex_.has_edge(other, v, w);
+      usable = may_be_taken(complex_.cells[other].kind) && complex_.has_edge(other, v, w);
       ring_.push_back(other);
     });
     return usable && ring_.size() > 1 && ring_.size() < Cavity::most_cells;
