@@ -19,11 +19,7 @@ public:
     begin();
     if (is_soft(complex_.cells[cell].kind)) {
       try_cavity({cell});
-      for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
-        const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
-        const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
-        if (gather_ring(v, w, is_soft)) try_cavity(ring_);
-      }
+      try_rings(cell, is_soft);
     }
     return commit(statistics_.n_raised);
   }
@@ -40,12 +36,7 @@ public:
       try_cavity({cell, other});
     }
     // A tetrahedron that lies flat under two triangles of the boundary hides them from all but what is round its edges.
-    if (best_quality_ <= 0 && is_soft(complex_.cells[cell].kind))
-      for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
-        const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
-        const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
-        if (gather_ring(v, w, [](CellKind) { return true; })) try_cavity(ring_);
-      }
+    if (best_quality_ <= 0 && is_soft(complex_.cells[cell].kind)) try_rings(cell, [](CellKind) { return true; });
     return commit(statistics_.n_split);
   }
 
@@ -53,6 +44,14 @@ private:
   void begin(double enough = 1.0) {
     best_quality_ = -1;
     enough_ = enough;
+  }
+
+  /// The cavities round the edges of a cell.
+  template <class Usable>
+  void try_rings(index_t cell, Usable&& may_be_taken) {
+    const auto corner = [&](std::int8_t i) { return complex_.cells[cell].corners[static_cast<std::size_t>(i)]; };
+    for (const auto& edge : edges_of(complex_.cells[cell].kind))
+      if (gather_ring(corner(edge[0]), corner(edge[1]), may_be_taken)) try_cavity(ring_);
   }
 
   /// The cells round an edge, if they all have it and are of a kind that may be taken apart.
