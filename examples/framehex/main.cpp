@@ -27,6 +27,7 @@ bool run(const Options& options, const framehex::Observer& observer) {
 std::string line_of(const framehex::error& e, const Options& options) {
   std::string text = e.what();
   const bool about_input = e.entity() != framehex::Entity::none || dynamic_cast<const framehex::open_surface*>(&e) ||
+                           dynamic_cast<const framehex::invalid_coordinate*>(&e) ||
                            dynamic_cast<const framehex::invalid_surface*>(&e);
   const bool named = text.starts_with(options.input) || dynamic_cast<const framehex::io_error*>(&e);
   if (about_input && !named) text = options.input + ": " + text;

@@ -107,7 +107,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_run(mesh, options);
 
   CLI::App& recombine =
-      *app.add_subcommand("recombine", "Recombine a tetrahedral mesh (.vtu .vtk .msh .mesh) as it is");
+      *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh)");
   add_input(recombine, options, "The tetrahedral mesh");
   add_output(recombine, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
   add_recombination(recombine, options);

@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include <cstdio>
+#include <filesystem>
 
 namespace program {
 
@@ -18,6 +19,11 @@ std::size_t peak_bytes(int who) {
   rusage usage{};
   getrusage(who, &usage);
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
 }
 
 const char* to_string(framehex::SelectionStatus status) {
@@ -93,6 +99,8 @@ void write_report(const Options& options, const nlohmann::ordered_json& json) {
 }
 
 void check_outputs(const Options& options) {
+  if (!options.output.empty() && !options.report.empty() && same_file(options.output, options.report))
+    throw framehex::invalid_option("the mesh and the report cannot both be " + options.output);
   if (!options.output.empty()) {
     const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
     if (options.command == Command::field && format != framehex::MeshFormat::vtu)

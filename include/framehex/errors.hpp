@@ -36,7 +36,7 @@ private:
 /// An option or parameter outside its documented range.
 class invalid_option : public error { using error::error; };
 
-/// A NaN or infinite coordinate; the vertex.
+/// A coordinate that is NaN, infinite or beyond 1e30; the vertex. A mesh less than 1e-30 wide; none.
 class invalid_coordinate : public error { using error::error; };
 
 /// A cell or triangle that refers to a vertex that does not exist, or twice to one; the cell or triangle.

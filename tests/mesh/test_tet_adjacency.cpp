@@ -107,6 +107,9 @@ TEST_CASE("Valid meshes pass, and the checked adjacency is the adjacency") {
     CHECK(validated_adjacency(mesh).neighbours == make_adjacency(mesh).neighbours);
   }
   CHECK_NOTHROW(validate(IndexedTetMesh{}));
+  auto tiny = test::kuhn_lattice(2);
+  for (Vector3& p : tiny.points) p *= 0x1p-101;  // lies between 1e-31 and 1e-30
+  CHECK_THROWS_AS(validate(tiny), invalid_coordinate);
 }
 
 TEST_CASE("Each fault of a mesh is a typed error with the first offender") {
@@ -123,6 +126,8 @@ TEST_CASE("Each fault of a mesh is a typed error with the first offender") {
   };
   auto mesh = good;
   mesh.points[5].z() = std::numeric_limits<double>::infinity();
+  check(mesh, invalid_coordinate(""), Entity::vertex, {5});
+  mesh.points[5].z() = -1e31;
   check(mesh, invalid_coordinate(""), Entity::vertex, {5});
   mesh = good;
   mesh.tets[9][3] = 27;

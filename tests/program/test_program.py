@@ -253,6 +253,22 @@ class TestBadTetMeshes(Case):
         nan = [list(p) for p in points]
         nan[4][1] = "nan"
         self.refused(nan, tets, "vertex 4", "not finite")
+        # Beyond these the powers of lengths that qualities are made of leave the numbers.
+        far = [list(p) for p in points]
+        far[4][1] = 1e60
+        self.refused(far, tets, "vertex 4", "1e+60")
+        self.refused([[1e-60 * x for x in p] for p in points], tets, "wide")
+
+    def test_lengths_at_the_limits(self):
+        points, tets = lattice(2)
+        for scale in (2.0 ** -98, 2.0 ** 98):
+            with self.subTest(scale):
+                write_vtk(self.path("tets.vtk"), [[scale * x for x in p] for p in points], tets)
+                report = self.path("out.json")
+                result = self.run_program("recombine", self.path("tets.vtk"), "-o", self.path("out.vtu"), "--report",
+                                          report)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(json.loads(pathlib.Path(report).read_text())["hex_ratio"]["number"], 1)
 
     def test_files(self):
         (self.folder / "text.vtu").write_text("hello")
@@ -284,6 +300,7 @@ class TestBadOutput(Case):
         for name, word in [("out.stl", "unknown extension"), ("out.vtk", "not written"), ("none/out.vtu", "No such file")]:
             self.check_refused(self.recombine(self.path(name)), self.path(name), word)
         self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("none/out.json")), "out.json")
+        self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("./out.vtu")), "report", "out.vtu")
         self.check_refused(self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.msh")), "out.msh")
 
     def test_no_permission(self):

@@ -28,7 +28,10 @@ namespace detail {
 class TemporaryFolder {
 public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "framehex-XXXXXX").string();
+    std::error_code failure;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(failure);
+    if (failure) throw io_error(parent.string() + ": the folder for temporary files: " + failure.message());
+    std::string pattern = (parent / "framehex-XXXXXX").string();
     if (!::mkdtemp(pattern.data())) throw io_error(pattern + ": cannot make a temporary folder");
     path_ = pattern;
   }

@@ -4,22 +4,48 @@
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/mesh/adjacency.hpp"
 
-#include <iterator>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
 
 namespace framehex {
 
 namespace detail {
 
+/// Lengths whose tenth powers, which qualities and error bounds are made of, still are normal numbers.
+constexpr double least_extent = 1e-30, largest_coordinate = 1e30;
+
+inline std::string number_text(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
 template <class M>
 void check_coordinates(const M& mesh) {
   std::size_t index = 0;
+  std::array<double, 3> low{}, high{};
   for (const auto vertex : mesh_traits<M>::vertices(mesh)) {
-    for (const auto x : mesh_traits<M>::point(mesh, vertex))
+    std::size_t axis = 0;
+    for (const double x : mesh_traits<M>::point(mesh, vertex)) {
       if (!std::isfinite(x))
         throw invalid_coordinate("vertex " + std::to_string(index) + " has a coordinate that is not finite",
                                  Entity::vertex, {index});
+      if (std::abs(x) > largest_coordinate)
+        throw invalid_coordinate("vertex " + std::to_string(index) + " has the coordinate " + number_text(x) +
+                                     ", beyond " + number_text(largest_coordinate),
+                                 Entity::vertex, {index});
+      low[axis] = index == 0 ? x : std::min(low[axis], x);
+      high[axis] = index == 0 ? x : std::max(high[axis], x);
+      ++axis;
+    }
     ++index;
   }
+  const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  if (extent > 0 && extent < least_extent)
+    throw invalid_coordinate("the mesh is " + number_text(extent) + " wide, less than " + number_text(least_extent));
 }
 
 template <std::size_t Corners, class M>
