@@ -17,9 +17,7 @@ struct DiffusionOptions {
   int max_steps = 20;        ///< of diffusion and projection after the start; 0: the start only
   double time_factor = 200;  ///< step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
   double settled = 1e-3;     ///< ends when the root mean square of the change of a short step is less (rad)
-  /// Relative, of the linear solves. The residual of a smooth error is small, the smaller the finer the mesh: at 1e-3
-  /// the long waves, which singular lines follow, are not solved for.
-  double tolerance = 1e-5;
+  double tolerance = 1e-3;   ///< of the linear solves, root mean square relative to the coefficients' length
   Observer observer = {};
 };
 
@@ -41,12 +39,14 @@ public:
                  std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
                  const DiffusionOptions& options, const E& executor)
       : system_(adjacency, points),
+        aggregates_(system_, [&](std::size_t row) { return freedom(constraints[system_.order[row]]); }),
         frames_(frames),
         constraints_(constraints),
         axes_(axes),
         options_(options),
         executor_(executor),
         values_(frames.size()),
+        source_(frames.size()),
         slot_(frames.size(), no_index) {
     for (std::size_t row = 0; row < slot_.size(); ++row) {
       const index_t v = system_.order[row];
@@ -59,16 +59,17 @@ public:
   DiffusionReport run() {
     DiffusionReport report;
     report.status = Status::cancelled;
+    eigenvalue_ = first_eigenvalue(system_, constraints_, executor_);
+    encode();
+    values_ = source_;
     if (options_.start == DiffusionStart::harmonic) {
-      encode();
       if (!solve(0, 0, 0.4)) return report;
       report.last_change = project(DiffusionStart::harmonic);
     }
-    const double eigenvalue = options_.max_steps > 0 ? first_eigenvalue(system_, constraints_, executor_) : 1;
     bool settled = false;
     for (int k = 1; k <= options_.max_steps && !settled; ++k) {
       encode();
-      const double time = options_.time_factor / (k * k * k * eigenvalue);
+      const double time = options_.time_factor / (k * k * k * eigenvalue_);
       const double share = 0.6 / options_.max_steps;
       if (!solve(1 / time, 0.4 + share * (k - 1), 0.4 + share * k)) return report;
       report.last_change = project(DiffusionStart::current);
@@ -82,18 +83,25 @@ public:
   }
 
 private:
+  /// Share of the nine coefficients that a constraint leaves free.
+  static double freedom(FrameConstraint constraint) {
+    return constraint == FrameConstraint::fixed ? 0 : constraint == FrameConstraint::axis ? 2. / 9 : 1;
+  }
+
+  /// The frames as the source of the next solve, which starts from the values of the last: they are nearer.
   void encode() {
     for_blocks(executor_, values_.size(), block_size, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row)
-        values_[row] = frame_quartic(frames_[system_.order[row]]).template cast<float>();
+        source_[row] = frame_quartic(frames_[system_.order[row]]).template cast<float>();
     });
   }
 
   bool solve(double mass_factor, double progress_from, double progress_to) {
-    const std::vector<Coefficients> source = mass_factor > 0 ? values_ : std::vector<Coefficients>{};
+    double squares = 0;
+    for (std::size_t row = 0; row < source_.size(); ++row) squares += system_.masses[row] * source_[row].squaredNorm();
     const auto load = [&](std::size_t row) -> Coefficients {
-      if (source.empty()) return Coefficients::Zero();
-      return static_cast<float>(mass_factor * system_.masses[row]) * source[row];
+      if (mass_factor == 0) return Coefficients::Zero();
+      return static_cast<float>(mass_factor * system_.masses[row]) * source_[row];
     };
     const auto restrict = [&](std::size_t row, Coefficients& value) {
       const FrameConstraint constraint = constraints_[system_.order[row]];
@@ -110,8 +118,10 @@ private:
       const double within = 1 - 1 / (1 + iteration / 50.0);
       return keep_going(options_.observer, "frame field", progress_from + within * (progress_to - progress_from));
     };
-    return solve_laplace(system_, values_, load, restrict, proceed,
-                         {.mass_factor = mass_factor, .tolerance = options_.tolerance},
+    return solve_laplace(system_, aggregates_, values_, load, restrict, proceed,
+                         {.mass_factor = mass_factor,
+                          .tolerance = options_.tolerance,
+                          .energy = (eigenvalue_ + mass_factor) * squares},
                          executor_) != SolveStatus::cancelled;
   }
 
@@ -140,12 +150,14 @@ private:
   }
 
   LaplaceSystem system_;
+  RowAggregates aggregates_;
   std::span<Quaternion> frames_;
   std::span<const FrameConstraint> constraints_;
   std::span<const Vector3> axes_;
   const DiffusionOptions& options_;
   const E& executor_;
-  std::vector<Coefficients> values_;
+  double eigenvalue_ = 0;  ///< the first of the domain
+  std::vector<Coefficients> values_, source_;
   std::vector<index_t> slot_;          ///< row -> circle
   std::vector<AxisQuartics> circles_;  ///< of the vertices with an axis
 };
@@ -160,7 +172,7 @@ private:
 /// @param executor     results do not depend on it.
 /// @return cancelled leaves a valid field, that of the last step.
 /// @throws invalid_option  when a number is negative or counts do not match.
-/// @par Complexity   O(edges * n^(1/3)) for the start, O(edges) per step, at small constants; about 250 bytes a vertex
+/// @par Complexity   O(edges * n^(1/6)) for the start, O(edges) per step, at small constants; about 250 bytes a vertex
 ///                   and 16 an edge. No matrix is stored or factorised.
 /// @par Source       Ray, Sokolov, Levy, ACM Trans. Graph. 35 (2016) 233, for the start; Palmer, Bommes, Solomon, ACM
 ///                   Trans. Graph. 39 (2020), section 5 (modified Merriman-Bence-Osher), for the steps. Departs:

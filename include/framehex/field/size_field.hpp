@@ -55,7 +55,7 @@ inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vecto
 ///
 /// @param sizes  n_vertices lengths; a NaN is unknown. Parts of the mesh with no known size get the least of all.
 /// @throws invalid_field   with the vertex whose size is known but not positive and finite, or when none is known.
-/// @par Complexity   O(edges * n^(1/3)).
+/// @par Complexity   O(edges * n^(1/6)).
 template <Executor E = SerialExecutor>
 void extend_sizes(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<double> sizes,
                   const E& executor = {}) {
@@ -81,8 +81,10 @@ void extend_sizes(const TetAdjacency& adjacency, std::span<const Vector3> points
   const auto restrict = [&](std::size_t row, Value& value) {
     if (!std::isnan(sizes[system.order[row]])) value.setZero();
   };
+  const detail::RowAggregates aggregates(
+      system, [&](std::size_t row) { return std::isnan(sizes[system.order[row]]) ? 1. : 0.; });
   detail::solve_laplace(
-      system, x, load, restrict, [](int) { return true; }, {.tolerance = 1e-8}, executor);
+      system, aggregates, x, load, restrict, [](int) { return true; }, {.tolerance = 1e-8}, executor);
   for (std::size_t row = 0; row < x.size(); ++row) {
     double& size = sizes[system.order[row]];
     if (std::isnan(size)) size = std::clamp(x[row][0], least, greatest);
