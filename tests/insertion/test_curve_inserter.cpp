@@ -39,6 +39,22 @@ std::vector<Vector3> circle(double radius, int n) {
 
 }  // namespace
 
+TEST_CASE("opposite sides of four-sided patches get the same number of intervals when asked to") {
+  const auto counts = [](double widening, IntervalMatching matching) {
+    auto surface = box_surface({5, 4, 3}, 2, 2, 2);
+    for (Vector3& p : surface.points) p.head<2>() *= 1 + widening * p.z() / 3;
+    const auto features = detect_features(surface, make_adjacency(surface));
+    std::vector<index_t> n = insert_curve_points(surface, features, constant(1), {.matching = matching}).n_intervals;
+    std::sort(n.begin(), n.end());
+    return n;
+  };
+  // Long edges of 5 and 5.6, short ones of 4 and 4.48, uprights of 3.1.
+  CHECK(counts(0.12, IntervalMatching::none) == std::vector<index_t>{3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 6, 6});
+  CHECK(counts(0.12, IntervalMatching::opposite_sides) == std::vector<index_t>{3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5});
+  // Twice as long is not comparable.
+  CHECK(counts(1, IntervalMatching::opposite_sides) == counts(1, IntervalMatching::none));
+}
+
 TEST_CASE("box edges are sampled with the nearest whole number of equal intervals") {
   const Quaternion q = Quaternion(0.2, 0.9, 0.1, -0.4).normalized();
   const auto surface = turned(box_surface({5, 4, 3}, 3, 7, 2), q);

@@ -81,6 +81,7 @@ FieldReport fill_field(FrameField<Mesh>& field, const IndexedTriangleMesh& surfa
   }
   if (report.diffusion.status == Status::cancelled || report.smoothing.status == Status::cancelled)
     report.status = Status::cancelled;
+  field.align();
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include "framehex/field/frame_diffusion.hpp"
 #include "framehex/field/loop_removal.hpp"
 #include "framehex/field/nearest_start.hpp"
+#include "framehex/field/representatives.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/field/smoothing.hpp"
 #include "framehex/field/tet_locator.hpp"
@@ -117,6 +118,9 @@ public:
     if (n_removed > 0) smoothness_ = frame_smoothness(adjacency(), frames_);
     return n_removed;
   }
+
+  /// See `framehex::align_representatives`: `sample` is faster then.
+  void align() { align_representatives(adjacency(), frames_); }
 
   /// See `framehex::singular_graph`.
   SingularGraph singular_graph() const { return framehex::singular_graph(adjacency(), points(), frames_); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/insertion/curve_matching.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/feature_graph.hpp"
@@ -15,10 +16,17 @@
 
 namespace framehex {
 
+/// Which curves agree on their number of intervals.
+enum class IntervalMatching {
+  none,           ///< each curve gets the count that suits its length
+  opposite_sides  ///< opposite sides of patches with four sides get the same count, where their lengths are comparable
+};
+
 struct CurveOptions {
   index_t closed_multiple = 2;  ///< intervals of a closed curve without a corner: a multiple of this, at least four
   double max_turn = std::numbers::pi / 2;  ///< rad, > 0: an interval turns by no more than this, however large the size
-  std::size_t max_points = 5'000'000;      ///< refuse sizes that ask for more
+  IntervalMatching matching = IntervalMatching::none;  ///< docs/insertion.md measures it
+  std::size_t max_points = 5'000'000;                  ///< refuse sizes that ask for more
 };
 
 /// Samples of the corners and feature curves.
@@ -120,7 +128,9 @@ private:
 ///
 /// A curve from corner to corner gets its length in units of the size, rounded to the nearest whole number and at least
 /// one; a closed curve the nearest multiple of `closed_multiple`, at least four. Two curves between the same corners
-/// get two intervals at least and a loop at a corner three, or no triangulation could tell them apart.
+/// get two intervals at least and a loop at a corner three, or no triangulation could tell them apart. With
+/// `IntervalMatching::opposite_sides` opposite sides of a patch with four, whose lengths differ by a quarter at most,
+/// are rounded together: the mean of all that are joined in that way.
 ///
 /// @param surface   the triangulated surface, coordinates in the host's unit.
 /// @param features  its corners and curves.
@@ -143,21 +153,23 @@ CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const Fea
   CurveInsertion result;
   std::vector<detail::MeasuredCurve> measured;
   const std::vector<index_t> least = detail::least_intervals(features);
+  std::vector<double> lengths, floors;
   double total = static_cast<double>(features.corners.size());
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    const std::span<const index_t> row = features.curves[c];
-    const auto& curve = measured.emplace_back(detail::measure_curve<Size>(surface.points, row, size));
+    const auto& curve = measured.emplace_back(detail::measure_curve<Size>(surface.points, features.curves[c], size));
     total += curve.length();
     detail::check_estimate("curves", total, options.max_points);
-    const double floor_count = std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6));
-    if (row.front() == row.back() && !is_corner(row.front())) {
-      const auto multiple = static_cast<double>(options.closed_multiple);
-      const double n =
-          multiple * std::max(std::round(curve.length() / multiple), std::ceil(std::max(4.0, floor_count) / multiple));
-      result.n_intervals.push_back(static_cast<index_t>(n));
-    } else {
-      result.n_intervals.push_back(static_cast<index_t>(std::max(std::round(curve.length()), floor_count)));
-    }
+    lengths.push_back(curve.length());
+    floors.push_back(std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6)));
+  }
+  if (options.matching == IntervalMatching::opposite_sides)
+    detail::match_curves(detail::opposite_curves(surface, features), lengths, floors);
+  for (std::size_t c = 0; c < features.curves.size(); ++c) {
+    const std::span<const index_t> row = features.curves[c];
+    const bool closed = row.front() == row.back() && !is_corner(row.front());
+    const double multiple = closed ? static_cast<double>(options.closed_multiple) : 1.0;
+    const double fewest = std::ceil(std::max(closed ? 4.0 : 1.0, floors[c]) / multiple);
+    result.n_intervals.push_back(static_cast<index_t>(multiple * std::max(std::round(lengths[c] / multiple), fewest)));
   }
 
   for (std::size_t i = 0; i < features.corners.size(); ++i)

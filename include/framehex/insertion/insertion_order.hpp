@@ -59,7 +59,7 @@ class SmoothnessOrder {
 public:
   static constexpr double default_rejection = 0.6;
   static constexpr double default_surface_rejection = 0.65;
-  static constexpr double default_least_move = 0.02;
+  static constexpr double default_least_move = 0.015;
 
   /// @param n_bins  bins of the smoothness interval [0, 1], 1 to 255; a negative smoothness falls into the lowest.
   /// @throws invalid_option  when `n_bins` is out of range.

@@ -123,6 +123,7 @@ private:
     estimate_ = inside.n_points;
     detail::check_estimate("volume", estimate_, options_.max_points);
     lattice_.set_largest_size(std::max(largest, inside.largest_size));
+    lattice_.reserve(seeds.size() + static_cast<std::size_t>(1.1 * estimate_));
   }
 
   void add_seed(const BoundarySeed& seed) {

@@ -55,6 +55,16 @@ public:
     largest_size_ = largest;
   }
 
+  void reserve(std::size_t n) {
+    sites_.reserve(n);
+    insertion_.smoothness.reserve(n);
+    insertion_.generations.reserve(n);
+    insertion_.links.reserve(n);
+    clearance_.reserve(n);
+    hints_.reserve(n);
+    awake_.reserve(n);
+  }
+
   index_t n_points() const { return static_cast<index_t>(sites_.size()); }
   const Site& site(index_t p) const { return sites_[p]; }
   /// A lower bound of the clearance of a place near point p.
@@ -64,9 +74,22 @@ public:
   index_t hint(index_t p) const { return hints_[p]; }
   std::uint8_t& awake(index_t p) { return awake_[p]; }
 
+  /// Neighbours came at other times and lie anywhere in memory: asked for ahead, they are there in time.
+  void prefetch_neighbours([[maybe_unused]] index_t p) const {
+#if defined(__GNUC__)
+    if (!awake_[p]) return;
+    for (const index_t q : insertion_.links[p])
+      if (q != no_index) __builtin_prefetch(&sites_[q]);
+#endif
+  }
+
   /// Links, smoothness, generations and counts; the rest is in the sites until `add_sites`.
-  const VolumeInsertion& insertion() const { return insertion_; }
-  VolumeInsertion& insertion() { return insertion_; }
+  const VolumeInsertion& insertion() const {
+    return insertion_;
+  }
+  VolumeInsertion& insertion() {
+    return insertion_;
+  }
 
   /// Adds to a result what the sites hold.
   void add_sites(VolumeInsertion& result) const {

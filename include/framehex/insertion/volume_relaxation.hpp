@@ -30,6 +30,7 @@ public:
     moved_.resize(lattice_.n_points(), 0);
     const auto& links = lattice_.insertion().links;
     for (index_t p = n_fixed_; p < lattice_.n_points(); ++p) {
+      if (p + prefetch_distance < lattice_.n_points()) lattice_.prefetch_neighbours(p + prefetch_distance);
       if (!lattice_.awake(p)) continue;
       lattice_.awake(p) = 0;
       const auto& site = lattice_.site(p);
@@ -66,6 +67,7 @@ private:
   }
 
   static constexpr double max_move = 0.1;  // of a sweep, in sizes
+  static constexpr index_t prefetch_distance = 4;
 
   Lattice& lattice_;
   index_t n_fixed_;

@@ -7,6 +7,7 @@
 #include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/background.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/edge_restoration.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/tetrahedralizer.hpp"
@@ -37,6 +38,7 @@ struct MeshingOptions {
   SurfaceOptions surface = {};
   RetriangulationOptions retriangulation = {};
   VolumeOptions volume = {};
+  bool restore_lattice = false;                ///< see `restore_lattice`; docs/insertion.md measures it
   RecombineOptions recombination = {};         ///< its boundary projection, when empty, becomes one to the surface
   std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
   double max_background_points = 2e7;          ///< refuse an edge that asks for more
@@ -57,6 +59,7 @@ struct MeshingStatistics {
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
   std::size_t n_repair_vertices = 0;     ///< added where triangles of the wished size would leave the input, or cross
   std::size_t n_tets = 0;                ///< of the second mesh
+  EdgeRestoration lattice;               ///< edges and diagonals, with `restore_lattice`
 };
 
 /// A hex-dominant mesh of the inside of a surface, and how it came about.
@@ -210,6 +213,7 @@ private:
     };
     VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
     if (volume.status == Status::cancelled) return false;
+    links_ = std::move(volume.links);
     interior_.assign(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
     result_.statistics.n_volume_points = interior_.size();
     return true;
@@ -217,9 +221,16 @@ private:
 
   bool make_tets() {
     Tetrahedralization second = tetrahedralize(tetrahedralizer_, boundary_.surface, interior_, options_.observer);
+    if (second.status != Status::complete) return false;
     tets_ = std::move(second.mesh);
+    if (options_.restore_lattice) {
+      // The boundary may have more vertices than samples; points inside come after all of them.
+      const std::size_t n_seeds = samples_.samples.size(), n_more = boundary_.surface.points.size() - n_seeds;
+      result_.statistics.lattice =
+          restore_lattice(tets_, links_, [&](index_t p) { return p < n_seeds ? p : static_cast<index_t>(p + n_more); });
+    }
     result_.statistics.n_tets = tets_.tets.size();
-    return second.status == Status::complete;
+    return true;
   }
 
   bool recombine_tets() {
@@ -283,6 +294,7 @@ private:
   SurfaceInsertion samples_;
   Retriangulation boundary_;
   std::vector<Vector3> interior_;
+  LatticeLinks<6> links_;
   IndexedTetMesh tets_;
 };
 
