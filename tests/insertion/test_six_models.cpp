@@ -6,6 +6,7 @@
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/insertion/background.hpp"
+#include "framehex/insertion/rtree_filter.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
 #include "support/insertion_fixtures.hpp"
@@ -79,6 +80,18 @@ std::set<std::array<index_t, 3>> boundary_of(const IndexedTetMesh& mesh) {
   return open;
 }
 
+/// The rule, through an index that the insertion did not use: a new point is `k` sizes from every earlier one in the
+/// infinity norm of its frame.
+void check_distances(const VolumeInsertion& volume, double k, double h) {
+  RTreeFilter index(h);
+  for (const Vector3& p : volume.points) index.insert(p, h);
+  for (std::size_t i = volume.n_seeds; i < volume.points.size(); ++i)
+    for_each_near(index, volume.points[i], volume.frames[i].toRotationMatrix(), k * volume.sizes[i] * (1 - 1e-12),
+                  [&](index_t j, const Vector3&, double distance) {
+                    if (j < i) FAIL("points " << i << " and " << j << " at " << distance / volume.sizes[i]);
+                  });
+}
+
 }  // namespace
 
 TEST_CASE("on six models the second mesh has every sample and point as a vertex, and the surface, and no more") {
@@ -114,6 +127,7 @@ TEST_CASE("on six models the second mesh has every sample and point as a vertex,
 
   const SurfaceLocator locator(boundary.surface);
   const VolumeInsertion volume = insert_volume_points(samples.seeds(), field, size, SurfaceDomain{locator});
+  check_distances(volume, SmoothnessOrder::default_rejection, model.h);
   const std::vector<Vector3> interior(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds),
                                       volume.points.end());
   const IndexedTetMesh mesh = tetrahedralize(TetgenProcess{}, boundary.surface, interior).mesh;
