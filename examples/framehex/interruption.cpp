@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "interruption.hpp"
 
+#include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/io/output_file.hpp"
 
 #include <signal.h>
@@ -51,6 +52,10 @@ struct Interruption::Watch {
       const std::string partial = framehex::OutputFile::temporary_name(name);
       if (!partial.empty()) std::filesystem::remove(partial, ignored);
     }
+    const std::string prefix = framehex::detail::TemporaryFolder::prefix();
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::temp_directory_path(ignored), ignored))
+      if (entry.path().filename().string().starts_with(prefix)) std::filesystem::remove_all(entry.path(), ignored);
     std::_Exit(exit_interrupted);
   }
 };

@@ -36,6 +36,7 @@ inline framehex::RecombineOptions recombine_options(const Options& options, cons
   r.assembly.interfaces = options.interfaces == "open"          ? framehex::InterfaceMode::open
                           : options.interfaces == "no-pyramids" ? framehex::InterfaceMode::no_pyramids
                                                                 : framehex::InterfaceMode::conforming;
+  r.assembly.improvement = options.improve ? framehex::ImprovementMode::improve : framehex::ImprovementMode::none;
   r.observer = observer;
   return r;
 }

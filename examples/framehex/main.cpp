@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "report.hpp"
 
+#include <cstdio>
 #include <iostream>
 #include <new>
 
@@ -43,6 +44,8 @@ int run_safely(const Options& options) {
     const bool complete = run(options, make_observer(interruption, !options.quiet));
     end_progress();
     if (!complete) std::cerr << "framehex: interrupted\n";
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw framehex::io_error("standard output: cannot be written");
     return complete ? 0 : 130;
   } catch (const framehex::error& e) {
     end_progress();

@@ -27,7 +27,7 @@ double enclosed_volume(const framehex::IndexedTriangleMesh& surface) {
 /// The wished edge length, checked against the box of the surface.
 double edge_length(const Options& options, const framehex::IndexedTriangleMesh& surface) {
   const double volume = enclosed_volume(surface);
-  if (!(volume > 0)) throw framehex::invalid_surface("the surface encloses no volume");
+  if (!(volume > 0)) throw framehex::invalid_surface("the surface encloses no volume; does it cross itself?");
   const double size =
       options.size ? *options.size : std::cbrt(volume / static_cast<double>(options.cells.value_or(10'000)));
   Eigen::AlignedBox3d box;

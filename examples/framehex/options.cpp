@@ -50,7 +50,7 @@ void add_field(CLI::App& command, Options& options) {
       ->check(CLI::IsMember({"nearest", "smoothed", "best"}))
       ->capture_default_str();
   command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
-      ->check(in_range(0, 180, "an angle from 0 to 180"))
+      ->check(in_range(0.1, 179.9, "an angle from 0.1 to 179.9"))
       ->type_name("DEGREES")
       ->capture_default_str();
 }
@@ -76,6 +76,8 @@ void add_recombination(CLI::App& command, Options& options) {
   command.add_option("--interfaces", options.interfaces, "What becomes of quadrilaterals that face two triangles")
       ->check(CLI::IsMember({"conforming", "no-pyramids", "open"}))
       ->capture_default_str();
+  command.add_flag("!--no-improvement", options.improve,
+                   "Leave the vertices in their places: nothing is moved, reconnected or removed to make cells better");
   command.add_option("--seed", options.seed, "Of all random choices")
       ->check(in_range(0, 1e15, "a number from 0 to 1e15"))
       ->type_name("N")
@@ -95,7 +97,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_output(mesh, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
   auto* const size =
       mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
-  mesh.add_option("--cells", options.cells, "Size of which about so many cubes fill the surface; without either, 10000")
+  mesh.add_option("--cells", options.cells,
+                  "Size of which so many cubes have the volume of the body; without either, 10000")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
       ->type_name("N")
       ->excludes(size);
@@ -106,8 +109,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_recombination(mesh, options);
   add_run(mesh, options);
 
-  CLI::App& recombine =
-      *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh)");
+  CLI::App& recombine = *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh)");
   add_input(recombine, options, "The tetrahedral mesh");
   add_output(recombine, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
   add_recombination(recombine, options);
@@ -160,6 +162,7 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["gap"] = options.gap_percent.value_or(0.5);
     if (options.budget_seconds) json["budget"] = *options.budget_seconds;
     json["interfaces"] = options.interfaces;
+    json["improvement"] = options.improve;
     json["seed"] = options.seed;
   }
   if (options.command != Command::inspect) json["threads"] = options.threads;

@@ -24,6 +24,7 @@ struct Options {
   std::optional<double> budget_seconds;
   std::size_t threads = 0;  // 0: as many as the machine has
   std::uint64_t seed = 1;
+  bool improve = true;  // move and reconnect what is not a hexahedron
   bool quiet = false;
 };
 

@@ -23,7 +23,10 @@ std::size_t peak_bytes(int who) {
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  return std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+  const auto whole = [&](const std::string& name) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(name, ignored), ignored);
+  };
+  return whole(a) == whole(b);
 }
 
 const char* to_string(framehex::SelectionStatus status) {
@@ -101,6 +104,8 @@ void write_report(const Options& options, const nlohmann::ordered_json& json) {
 void check_outputs(const Options& options) {
   if (!options.output.empty() && !options.report.empty() && same_file(options.output, options.report))
     throw framehex::invalid_option("the mesh and the report cannot both be " + options.output);
+  if (!options.report.empty() && same_file(options.input, options.report))
+    throw framehex::invalid_option("the report would replace the input, " + options.input);
   if (!options.output.empty()) {
     const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
     if (options.command == Command::field && format != framehex::MeshFormat::vtu)

@@ -58,5 +58,10 @@ int main(int argc, char** argv) {
   for (const framehex::CellKind kind : result.mesh.kinds) n_hexahedra += kind == framehex::CellKind::hexahedron;
   std::printf("smoothness of vertex 0: %.3f; %zu tetrahedra became %zu cells, %zu of them hexahedra\n",
               field.smoothness()[0], mesh.tets.size() / 4, result.mesh.n_cells(), n_hexahedra);
-  if (argc > 1) framehex::write_vtu(argv[1], result.mesh);
+  if (argc > 1) try {
+      framehex::write_vtu(argv[1], result.mesh);
+    } catch (const framehex::io_error& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+      return 2;
+    }
 }

@@ -9,10 +9,10 @@
 #include <framehex/selection/select.hpp>
 #include <framehex/verify/independence.hpp>
 
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <sstream>
 
 namespace {
 
@@ -23,6 +23,13 @@ const char* name(framehex::SelectionStatus status) {
     case framehex::SelectionStatus::budget_exhausted: return "budget_exhausted";
     default: return "cancelled";
   }
+}
+
+double number(const std::string& word) {
+  std::istringstream text(word);
+  double value = 0;
+  if (!(text >> value) || !text.eof()) throw framehex::invalid_option("'" + word + "' is not a number");
+  return value;
 }
 
 int run(int argc, char** argv) {
@@ -36,14 +43,20 @@ int run(int argc, char** argv) {
   }
   std::ifstream file(argv[1]);
   if (!file) throw framehex::io_error(std::string(argv[1]) + ": cannot be opened");
-  const framehex::IncompatibilityGraph graph = framehex::read_metis(file);
+  const framehex::IncompatibilityGraph graph = [&] {
+    try {
+      return framehex::read_metis(file);
+    } catch (const framehex::error& e) {
+      throw framehex::io_error(std::string(argv[1]) + ": " + e.what());
+    }
+  }();
   const framehex::GraphStatistics numbers = framehex::statistics(graph);
   std::cerr << numbers.n_candidates << " candidates, " << numbers.n_conflicts << " conflicts, mean degree "
             << numbers.mean_degree << ", components: " << numbers.n_components << '\n';
 
   framehex::SelectOptions options{.method = method->second};
-  if (argc > 3) options.gap = std::atof(argv[3]) / 100;
-  if (argc > 4) options.seconds = std::atof(argv[4]);
+  if (argc > 3) options.gap = number(argv[3]) / 100;
+  if (argc > 4) options.seconds = number(argv[4]);
   const framehex::Selection selection = framehex::select(graph, options);
   if (!framehex::verify::is_maximal(graph, selection.members)) throw framehex::error("the selection is not maximal");
 
@@ -51,6 +64,7 @@ int run(int argc, char** argv) {
   std::cerr << selection.members.size() << " selected, weight " << selection.weight << ", bound " << selection.bound
             << ", gap " << 100 * selection.gap() << " %, " << name(selection.status) << '\n';
   for (const framehex::index_t v : selection.members) std::cout << v + 1 << '\n';
+  if (!std::cout.flush()) throw framehex::io_error("standard output: cannot be written");
   return 0;
 }
 
@@ -61,6 +75,6 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const framehex::error& e) {
     std::cerr << e.what() << '\n';
-    return 1;
+    return 2;
   }
 }

@@ -101,6 +101,9 @@ TEST_CASE("random selections in random Delaunay meshes become conforming and val
         const bool has_pyramids =
             std::find(result.mesh.kinds.begin(), result.mesh.kinds.end(), CellKind::pyramid) != result.mesh.kinds.end();
         if (mode == InterfaceMode::no_pyramids) CHECK_FALSE(has_pyramids);
+        const AssemblyStatistics& statistics = result.statistics;
+        CHECK(result.mesh.points.size() + statistics.n_removed_vertices ==
+              mesh.points.size() + statistics.n_new_vertices);
       }
     const Assembly open = assemble(mesh, adjacency, candidates, selected, {.interfaces = InterfaceMode::open});
     CHECK(verify::is_valid(open.mesh));

@@ -230,6 +230,40 @@ TEST_CASE("triangles that lose a corner by welding are dropped and counted") {
   CHECK_NOTHROW(validate_closed(result.surface));
 }
 
+TEST_CASE("vertices that no triangle uses are left out") {
+  const test::TemporaryFolder folder;
+  IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  const std::size_t n = box.points.size();
+  box.points.insert(box.points.begin() + 3, Vector3(2, 2, 2));
+  box.points.emplace_back(0.5, 0.5, 1);
+  for (auto& t : box.triangles)
+    for (index_t& v : t) v += v >= 3 ? 1 : 0;
+  folder.write("box.off", off(box));
+  folder.write("box.ply", ply(box));
+  for (const char* name : {"box.off", "box.ply"}) {
+    const IndexedTriangleMesh read = read_surface(folder / name).surface;
+    CHECK(read.points.size() == n);
+    CHECK(enclosed_volume(read) == Approx(1));
+    CHECK_NOTHROW(validate_closed(read));
+  }
+}
+
+TEST_CASE("a polygon of a vertex that the file does not have is refused with file and polygon") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  for (const std::string bad : {"99", "-1"}) {
+    folder.write("box.off", "# a comment\n" + off(box) + "# another\n3 0 1 " + bad + "\n");
+    CHECK_NOTHROW(read_surface(folder / "box.off"));  // beyond what the header counts
+    std::string text = off(box);
+    text.replace(text.rfind("\n3 ") + 1, text.npos, "3 0 1 " + bad + "\n");
+    folder.write("box.off", text);
+    const std::string polygon = std::to_string(box.triangles.size() - 1);
+    CHECK_THROWS_AS(read_surface(folder / "box.off"), invalid_connectivity);
+    CHECK_THROWS_WITH(read_surface(folder / "box.off"),
+                      Contains("box.off: polygon " + polygon + " refers to vertex " + bad));
+  }
+}
+
 TEST_CASE("a coordinate that is not finite is refused with file, vertex and triangle") {
   const test::TemporaryFolder folder;
   for (const double bad : {std::nan(""), HUGE_VAL}) {

@@ -261,7 +261,8 @@ class TestBadTetMeshes(Case):
 
     def test_lengths_at_the_limits(self):
         points, tets = lattice(2)
-        for scale in (2.0 ** -98, 2.0 ** 98):
+        fields = []
+        for scale in (1.0, 2.0 ** -98, 2.0 ** 98):
             with self.subTest(scale):
                 write_vtk(self.path("tets.vtk"), [[scale * x for x in p] for p in points], tets)
                 report = self.path("out.json")
@@ -269,6 +270,10 @@ class TestBadTetMeshes(Case):
                                           report)
                 self.assertEqual(result.returncode, 0, result.stderr)
                 self.assertEqual(json.loads(pathlib.Path(report).read_text())["hex_ratio"]["number"], 1)
+                result = self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.vtu"), "--report", report)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                fields.append(json.loads(pathlib.Path(report).read_text())["field"])
+                self.assertAlmostEqual(fields[-1]["smoothness_mean"], fields[0]["smoothness_mean"])
 
     def test_files(self):
         (self.folder / "text.vtu").write_text("hello")
@@ -301,6 +306,18 @@ class TestBadOutput(Case):
             self.check_refused(self.recombine(self.path(name)), self.path(name), word)
         self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("none/out.json")), "out.json")
         self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("./out.vtu")), "report", "out.vtu")
+        self.check_refused(self.recombine(self.path("out.vtu"), "--report", self.path("tets.vtk")), "report", "input")
+        inspected = self.run_program("inspect", self.path("tets.vtk"), "--report", self.path("tets.vtk"))
+        self.check_refused(inspected, "report", "input")
+        with open("/dev/full", "w") as full:
+            inspected = subprocess.run([PROGRAM, "inspect", self.path("tets.vtk")], stdout=full,
+                                       stderr=subprocess.PIPE, text=True)
+        inspected.stdout = ""
+        self.check_refused(inspected, "standard output")
+        piped = subprocess.run([PROGRAM, "recombine", self.path("tets.vtk"), "-o", self.path("out.vtu"), "--quiet",
+                                "--report", "/dev/stdout"], capture_output=True, text=True)
+        self.assertEqual(json.loads(piped.stdout)["counts"]["hexahedra"], 8)
+        (self.folder / "out.vtu").unlink()
         self.check_refused(self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.msh")), "out.msh")
 
     def test_no_permission(self):

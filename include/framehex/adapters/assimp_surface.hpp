@@ -7,6 +7,7 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
+#include <sstream>
 
 namespace framehex {
 
@@ -34,6 +35,35 @@ inline IndexedTriangleMesh soup_of_scene(const aiScene& scene) {
     }
   }
   return soup;
+}
+
+/// assimp takes the last vertex of an OFF file in place of one that the file does not have.
+inline void check_off_indices(const std::string& bytes) {
+  std::istringstream file(bytes);
+  std::string line;
+  // The next line that holds anything but a comment.
+  const auto next_line = [&] {
+    while (std::getline(file, line)) {
+      line.erase(std::min(line.find('#'), line.size()));
+      if (line.find_first_not_of(" \t\r") != line.npos) return true;
+    }
+    return false;
+  };
+  std::size_t n_vertices = 0, n_polygons = 0;
+  if (!next_line() || line.find("OFF") == line.npos || !next_line()) return;
+  if (!(std::istringstream(line) >> n_vertices >> n_polygons)) return;
+  for (std::size_t v = 0; v < n_vertices; ++v)
+    if (!next_line()) return;
+  for (std::size_t f = 0; f < n_polygons && next_line(); ++f) {
+    std::istringstream numbers(line);
+    long long n = 0, vertex = 0;
+    numbers >> n;
+    for (long long i = 0; i < n && numbers >> vertex; ++i)
+      if (vertex < 0 || static_cast<std::size_t>(vertex) >= n_vertices)
+        throw invalid_connectivity("polygon " + std::to_string(f) + " refers to vertex " + std::to_string(vertex) +
+                                       " of " + std::to_string(n_vertices),
+                                   Entity::triangle, {f});
+  }
 }
 
 }  // namespace detail
@@ -72,6 +102,7 @@ inline SoupSurface read_surface(const std::filesystem::path& path) {
     throw io_error(name + ": cannot be understood (" + complaint + ")");
   }
   try {
+    if (extension == ".off") detail::check_off_indices(bytes);
     const IndexedTriangleMesh soup = detail::soup_of_scene(*scene);
     if (soup.triangles.empty()) throw io_error(name + ": holds no triangles");
     return surface_of_soup(soup);

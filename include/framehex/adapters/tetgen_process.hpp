@@ -30,8 +30,12 @@ public:
   TemporaryFolder() {
     std::error_code failure;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(failure);
-    if (failure) throw io_error(parent.string() + ": the folder for temporary files: " + failure.message());
-    std::string pattern = (parent / "framehex-XXXXXX").string();
+    if (failure) {
+      const char* const wanted = std::getenv("TMPDIR");
+      throw io_error(std::string(wanted ? wanted : "/tmp") + ": no folder for temporary files (" + failure.message() +
+                     ")");
+    }
+    std::string pattern = (parent / (prefix() + "XXXXXX")).string();
     if (!::mkdtemp(pattern.data())) throw io_error(pattern + ": cannot make a temporary folder");
     path_ = pattern;
   }
@@ -42,6 +46,9 @@ public:
     std::filesystem::remove_all(path_, ignored);
   }
   const std::filesystem::path& path() const { return path_; }
+
+  /// How the names of this process's folders begin: for those who must clean up after themselves in a hurry.
+  static std::string prefix() { return "framehex-" + std::to_string(::getpid()) + "-"; }
 
 private:
   std::filesystem::path path_;

@@ -175,6 +175,11 @@ Assembly assemble(const M& mesh, const TetAdjacency& adjacency, const PotentialH
   labels.insert(labels.end(), builder.extra_labels.begin(), builder.extra_labels.end());
   detail::label_faces(result.mesh, exported.vertex_of, labels, result.open);
   for (const index_t v : exported.vertex_of) result.vertex_of.push_back(v < adjacency.n_vertices() ? v : no_index);
+  statistics.n_new_vertices =
+      static_cast<std::size_t>(std::count(result.vertex_of.begin(), result.vertex_of.end(), no_index));
+  for (index_t v = 0; v < adjacency.n_vertices(); ++v)
+    statistics.n_removed_vertices +=
+        static_cast<std::size_t>(!adjacency.tets_of_vertex[v].empty() && complex.unused(v));
   for (const index_t cell : exported.cell_of)
     result.candidate_of.push_back(complex.cells[cell].kind == CellKind::hexahedron ? complex.cells[cell].source
                                                                                    : no_index);

@@ -63,10 +63,10 @@ struct AssemblyStatistics {
   std::size_t n_raised = 0;               ///< closed by a pyramid to another vertex or to a new one
   std::size_t n_split = 0;                ///< hexahedra and prisms split from a new vertex at their centre
   std::size_t n_dissolved = 0;            ///< hexahedra and prisms taken back into their tetrahedra
-  std::size_t n_new_vertices = 0;
-  std::size_t n_removed_vertices = 0;
-  double hexahedron_volume_chosen = 0;  ///< of the selection
-  double hexahedron_volume = 0;         ///< of the result
+  std::size_t n_new_vertices = 0;         ///< of the result, that the input did not have
+  std::size_t n_removed_vertices = 0;     ///< of the input's cells, that no cell of the result uses
+  double hexahedron_volume_chosen = 0;    ///< of the selection
+  double hexahedron_volume = 0;           ///< of the result
   double volume = 0;
 };
 

@@ -37,16 +37,29 @@ inline std::vector<index_t> spatial_order(std::span<const Vector3> points) {
   return order;
 }
 
+/// The points in a unit that brings their extent near 1: a power of two, which changes no digit.
+inline std::vector<Vector3> in_own_unit(std::span<const Vector3> points) {
+  double largest = 0;
+  for (const Vector3& p : points) largest = std::max(largest, (p - points[0]).cwiseAbs().maxCoeff());
+  const double unit = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
+  std::vector<Vector3> scaled;
+  scaled.reserve(points.size());
+  for (const Vector3& p : points) scaled.push_back(unit * p);
+  return scaled;
+}
+
 /// The Laplacian of a mesh as a weighted graph, and the volume of each vertex; both along a space-filling curve, by
-/// "rows".
+/// "rows". Lengths are in the mesh's own unit, or powers of them would leave single precision.
 struct LaplaceSystem {
   std::vector<index_t> order;    ///< row -> vertex
   Csr<index_t> ring;             ///< neighbours of each row, as rows
-  std::vector<float> weights;    ///< per directed edge, length; see dirichlet_weights
+  std::vector<float> weights;    ///< per directed edge, own unit; see dirichlet_weights
   std::vector<double> diagonal;  ///< sums of the rows
-  std::vector<double> masses;    ///< per row, volume
+  std::vector<double> masses;    ///< per row, cubes of the own unit
 
-  LaplaceSystem(const TetAdjacency& adjacency, std::span<const Vector3> points) : order(spatial_order(points)) {
+  LaplaceSystem(const TetAdjacency& adjacency, std::span<const Vector3> host_points)
+      : order(spatial_order(host_points)) {
+    const std::vector<Vector3> points = in_own_unit(host_points);
     const Csr<index_t>& source = adjacency.vertices_of_vertex;
     const std::vector<double> by_vertex = dirichlet_weights(adjacency, points);
     std::vector<double> volume(points.size(), 0.0);
@@ -271,13 +284,14 @@ private:
 
 /// See ConjugateGradients.
 template <class Value, class Load, class Project, class Proceed, class E>
-SolveStatus solve_laplace(const LaplaceSystem& system, const RowAggregates& aggregates, std::vector<Value>& x, const Load& load, const Project& project,
-                          const Proceed& proceed, const SolveOptions& options, const E& executor) {
+SolveStatus solve_laplace(const LaplaceSystem& system, const RowAggregates& aggregates, std::vector<Value>& x,
+                          const Load& load, const Project& project, const Proceed& proceed, const SolveOptions& options,
+                          const E& executor) {
   return ConjugateGradients<Value, Load, Project, Proceed, E>(system, aggregates, project, proceed, executor)
       .solve(x, load, options);
 }
 
-/// Estimate of the first eigenvalue of the Laplacian that vanishes at the `pinned` vertices, 1 / length^2: the Rayleigh
+/// Estimate of the first eigenvalue of the Laplacian that vanishes at the `pinned` vertices, own unit^-2: the Rayleigh
 /// quotient of the solution of -laplace u = 1, within a few per cent on round domains.
 template <class E>
 double first_eigenvalue(const LaplaceSystem& system, std::span<const FrameConstraint> constraints, const E& executor) {

@@ -107,6 +107,9 @@ public:
 private:
   static std::filesystem::path followed(const std::filesystem::path& path) {
     std::error_code ignored;
+    // What stands behind the name of a pipe or a device has no path of its own.
+    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return path;
     return std::filesystem::is_symlink(path, ignored) ? std::filesystem::weakly_canonical(path, ignored) : path;
   }
 

@@ -23,7 +23,8 @@ struct SoupSurface {
 
 namespace detail {
 
-/// Vertices with the same coordinates (or within `tolerance` along each axis, chains included) become one, the first.
+/// Vertices with the same coordinates (or within `tolerance` along each axis, chains included) become one, the first;
+/// those that no triangle uses go.
 inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double tolerance) {
   const std::size_t n = soup.points.size();
   std::vector<index_t> order(n), parent(n);
@@ -49,20 +50,21 @@ inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double toleranc
     }
 
   IndexedTriangleMesh welded;
+  std::vector<std::uint8_t> used(n, 0);
+  for (const auto& t : soup.triangles) {
+    const std::array<index_t, 3> corners{root(t[0]), root(t[1]), root(t[2])};
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    welded.triangles.push_back(corners);
+    for (const index_t v : corners) used[v] = 1;
+  }
   std::vector<index_t> number(n, no_index);
   for (index_t v = 0; v < n; ++v) {
-    const index_t r = root(v);
-    if (r == v) {
-      number[v] = static_cast<index_t>(welded.points.size());
-      welded.points.push_back(p[v]);
-    }
-    number[v] = number[r];
+    if (!used[v]) continue;
+    number[v] = static_cast<index_t>(welded.points.size());
+    welded.points.push_back(p[v]);
   }
-  for (const auto& t : soup.triangles) {
-    const std::array<index_t, 3> corners{number[t[0]], number[t[1]], number[t[2]]};
-    if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0])
-      welded.triangles.push_back(corners);
-  }
+  for (auto& t : welded.triangles)
+    for (index_t& v : t) v = number[v];
   return welded;
 }
 

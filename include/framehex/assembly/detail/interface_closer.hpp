@@ -169,7 +169,6 @@ private:
       return false;
     }
     ++counter;
-    ++statistics_.n_new_vertices;
     return true;
   }
 

@@ -125,7 +125,6 @@ private:
     const double size = (complex_.points[corners[0]] - centre).norm();
     filler_.improve_point(cavity, centre, 0.2 * size, filler_.evaluate(cavity, centre, no_index));
     filler_.fill(cavity, complex_.add_vertex(centre, false));
-    ++statistics_.n_new_vertices;
     for (const Cut& cut : cuts) open_across(cut.face, cut.neighbour, cut.end);
   }
 
