@@ -17,6 +17,7 @@ import unittest
 
 import meshio
 import numpy as np
+from scipy.spatial import Delaunay
 
 PROGRAM = os.environ["FRAMEHEX"]
 BUNNY = pathlib.Path(__file__).resolve().parents[2] / "examples" / "data" / "bunny.stl"
@@ -391,6 +392,26 @@ class TestRecombine(Case):
         labels = [int(x) for k, block in enumerate(out.cells) if block.type == "hexahedron"
                   for x in np.ravel(out.cell_data["label"][k])]
         self.assertEqual(sorted(labels), [0] * 4 + [3] * 4)
+
+
+class TestImprovement(Case):
+    def test_vertices_of_the_host(self):
+        points = np.random.default_rng(7).random((80, 3))
+        tets = Delaunay(points).simplices
+        edges = points[tets[:, 1:]] - points[tets[:, :1]]
+        turned = np.linalg.det(edges) < 0
+        tets[turned] = tets[turned][:, [1, 0, 2, 3]]
+        write_vtk(self.path("tets.vtk"), [tuple(map(repr, map(float, p))) for p in points], tets)
+        given = set(map(tuple, points))
+        for more in ([], ["--no-improvement"]):
+            result = self.run_program("recombine", self.path("tets.vtk"), "-o", self.path("out.vtu"), "--report",
+                                      self.path("out.json"), "--floor", "0.9", *more)
+            self.assertEqual(result.returncode, 0, result)
+            assembly = json.loads((self.folder / "out.json").read_text())["assembly"]
+            written = meshio.read(self.path("out.vtu")).points
+            self.assertEqual(len(written) + assembly["removed_vertices"], len(points) + assembly["new_vertices"])
+            kept = given <= set(map(tuple, written))
+            self.assertEqual(kept, bool(more))
 
 
 class TestField(Case):
