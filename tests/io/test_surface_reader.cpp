@@ -255,6 +255,9 @@ TEST_CASE("a polygon of a vertex that the file does not have is refused with fil
     folder.write("box.off", "# a comment\n" + off(box) + "# another\n3 0 1 " + bad + "\n");
     CHECK_NOTHROW(read_surface(folder / "box.off"));  // beyond what the header counts
     std::string text = off(box);
+    if (bad == "-1") text.replace(3, 1, " ");  // the counts on the first line
+    folder.write("box.off", text);
+    CHECK(read_surface(folder / "box.off").surface.triangles == box.triangles);
     text.replace(text.rfind("\n3 ") + 1, text.npos, "3 0 1 " + bad + "\n");
     folder.write("box.off", text);
     const std::string polygon = std::to_string(box.triangles.size() - 1);

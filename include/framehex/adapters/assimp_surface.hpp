@@ -50,7 +50,9 @@ inline void check_off_indices(const std::string& bytes) {
     return false;
   };
   std::size_t n_vertices = 0, n_polygons = 0;
-  if (!next_line() || line.find("OFF") == line.npos || !next_line()) return;
+  if (!next_line() || line.find("OFF") == line.npos) return;
+  line.erase(0, line.find("OFF") + 3);  // the counts may follow on the same line
+  if (line.find_first_not_of(" \t\r") == line.npos && !next_line()) return;
   if (!(std::istringstream(line) >> n_vertices >> n_polygons)) return;
   for (std::size_t v = 0; v < n_vertices; ++v)
     if (!next_line()) return;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +24,7 @@ struct EdgeRestoration {
 /// The links of a lattice as edges, sorted.
 ///
 /// @param vertex_of  point of the lattice -> vertex of the mesh.
+/// @par Complexity   O(n log n).
 template <std::size_t Directions, class VertexOf>
 std::vector<VertexPair> lattice_edges(const LatticeLinks<Directions>& links, VertexOf&& vertex_of) {
   std::vector<VertexPair> edges;
@@ -68,17 +68,13 @@ public:
 
 private:
   /// What the segment from p to q crosses first: two vertices of an edge, or three of a facet.
-  struct Crossing {
-    index_t tet;
-    std::vector<index_t> corners;
-  };
+  using Crossing = std::vector<index_t>;
 
   bool put_in(index_t p, index_t q) {
-    const std::optional<Crossing> crossing = first_crossing(p, q);
-    if (!crossing) return false;
-    if (crossing->corners.size() == 2 && is_wanted(crossing->corners[0], crossing->corners[1])) return false;
-    const std::vector<index_t> cavity = cells_at(*crossing);
-    const std::vector<Tet> fan = fan_of(cavity, crossing->corners, p, q);
+    const Crossing crossing = first_crossing(p, q);
+    if (crossing.empty() || (crossing.size() == 2 && is_wanted(crossing[0], crossing[1]))) return false;
+    const std::vector<index_t> cavity = cells_at(crossing);
+    const std::vector<Tet> fan = fan_of(cavity, crossing, p, q);
     if (fan.empty()) return false;
     for (std::size_t i = 0; i < fan.size(); ++i) {
       if (i < cavity.size())
@@ -90,25 +86,26 @@ private:
     return true;
   }
 
-  std::optional<Crossing> first_crossing(index_t p, index_t q) const {
+  /// @return empty when the segment passes through a vertex first.
+  Crossing first_crossing(index_t p, index_t q) const {
     for (const index_t tet : adjacency_.tets_of_vertex[p]) {
       const auto& corners = adjacency_.tets[tet];
       const auto at = static_cast<int>(std::find(corners.begin(), corners.end(), p) - corners.begin());
       const auto opposite = facet(corners, at);
-      Crossing crossing{tet, {}};
+      Crossing crossing;
       int least = 1;
       for (std::size_t i = 0; i < 3; ++i) {
         const index_t a = opposite[i], b = opposite[(i + 1) % 3];
         // Seen from p the facet turns clockwise, from outside anticlockwise.
         const int side = orientation(mesh_.points[p], mesh_.points[q], mesh_.points[a], mesh_.points[b]);
         least = std::min(least, side);
-        if (side == 0) crossing.corners.insert(crossing.corners.end(), {a, b});
+        if (side == 0) crossing.insert(crossing.end(), {a, b});
       }
-      if (least < 0 || crossing.corners.size() > 2) continue;
-      if (crossing.corners.empty()) crossing.corners.assign(opposite.begin(), opposite.end());
+      if (least < 0 || crossing.size() > 2) continue;
+      if (crossing.empty()) crossing.assign(opposite.begin(), opposite.end());
       return crossing;
     }
-    return std::nullopt;
+    return {};
   }
 
   bool is_wanted(index_t a, index_t b) const {
@@ -118,9 +115,9 @@ private:
   /// The tetrahedra that have all corners of what is crossed.
   std::vector<index_t> cells_at(const Crossing& crossing) const {
     std::vector<index_t> cells;
-    for (const index_t tet : adjacency_.tets_of_vertex[crossing.corners[0]]) {
+    for (const index_t tet : adjacency_.tets_of_vertex[crossing[0]]) {
       const auto& t = adjacency_.tets[tet];
-      if (std::all_of(crossing.corners.begin(), crossing.corners.end(),
+      if (std::all_of(crossing.begin(), crossing.end(),
                       [&](index_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }))
         cells.push_back(tet);
     }
@@ -180,6 +177,7 @@ inline EdgeRestoration restore_edges(IndexedTetMesh& mesh, std::span<const Verte
 /// For each quadrilateral of the lattice that the mesh closes with neither diagonal, the shorter one; sorted.
 ///
 /// @param cells  of eight vertices of the mesh, as `lattice_cells` gives them.
+/// @par Complexity   O(n log n).
 inline std::vector<VertexPair> missing_diagonals(const IndexedTetMesh& mesh,
                                                  std::span<const std::array<index_t, 8>> cells) {
   const TetAdjacency adjacency = make_adjacency(mesh);
@@ -210,6 +208,8 @@ inline std::vector<VertexPair> missing_diagonals(const IndexedTetMesh& mesh,
 ///
 /// @param vertex_of  point of the lattice -> vertex of the mesh.
 /// @return edges and diagonals together.
+/// @par Complexity   O(n log n).
+/// @par Source       the flips of Joe, SIAM J. Sci. Stat. Comput. 10 (1989), 718-741.
 template <class VertexOf>
 EdgeRestoration restore_lattice(IndexedTetMesh& mesh, const LatticeLinks<6>& links, VertexOf&& vertex_of) {
   std::vector<VertexPair> wanted = lattice_edges(links, vertex_of);
