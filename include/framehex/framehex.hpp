@@ -61,6 +61,8 @@
 #include "framehex/insertion/rtree_filter.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/surface_insertion.hpp"
+#include "framehex/insertion/surface_lattice.hpp"
+#include "framehex/insertion/surface_relaxation.hpp"
 #include "framehex/insertion/surface_walker.hpp"
 #include "framehex/insertion/tetrahedralizer.hpp"
 #include "framehex/insertion/volume_inserter.hpp"

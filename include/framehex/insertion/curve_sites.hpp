@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <span>
 #include <vector>
 
 namespace framehex::detail {
@@ -75,5 +77,26 @@ private:
   const FeatureGraph& features_;
   const SurfaceWalker& walker_;
 };
+
+/// Calls `visit(a, b)` for each interval of the curves: two samples that follow each other.
+template <class Visit>
+void for_each_interval(const FeatureGraph& features, const CurveInsertion& curves, Visit&& visit) {
+  const auto corner_at = [&](index_t v) {
+    const auto at = std::lower_bound(features.corners.begin(), features.corners.end(), v);
+    return at != features.corners.end() && *at == v ? static_cast<index_t>(at - features.corners.begin()) : no_index;
+  };
+  for (std::size_t c = 0; c < features.curves.size(); ++c) {
+    const std::span<const index_t> row = features.curves[c];
+    const index_t first = curves.first_of_curve[c], last = curves.first_of_curve[c + 1];
+    const index_t end = corner_at(row.back());
+    index_t previous = corner_at(row.front());
+    const auto go_to = [&](index_t sample) {
+      if (previous != no_index && previous != sample) visit(previous, sample);
+      previous = sample;
+    };
+    for (index_t i = first; i < last; ++i) go_to(i);
+    go_to(end != no_index ? end : first);
+  }
+}
 
 }  // namespace framehex::detail
