@@ -5,6 +5,8 @@
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/kuhn_lattice.hpp"
+#include "support/ply.hpp"
+#include "support/stl.hpp"
 #include "support/surfaces.hpp"
 
 #include <catch2/catch.hpp>
@@ -152,4 +154,19 @@ TEST_CASE("bad sizes are refused before any work") {
   for (const double size : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
     CHECK_THROWS_AS(mesh_surface(surface, Constant{size}, TetgenProcess{}), error);
   CHECK_THROWS_AS(mesh_surface(surface, Constant{1e-6}, TetgenProcess{}), invalid_option);
+}
+
+TEST_CASE("points in smoothness order make more hexahedra than first in, first out") {
+  const auto [surface, size] = GENERATE(std::pair(test::read_ply(FRAMEHEX_TEST_DATA "/dome.ply"), 0.156),
+                                        std::pair(test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl"), 0.26));
+  const auto hexahedra_by_volume = [&, &surface = surface, &size = size](PointOrder order) {
+    MeshingOptions options;
+    options.order = order;
+    options.field.method = FieldMethod::smoothed;
+    options.recombination.selection.method = SelectMethod::greedy;
+    const MixedMesh mesh = mesh_surface(surface, Constant{size}, TetgenProcess{}, options).recombination.mesh;
+    const verify::VolumeReport volume = verify::volume(mesh);
+    return volume.by_kind[static_cast<std::size_t>(CellKind::hexahedron)] / volume.cells;
+  };
+  CHECK(hexahedra_by_volume(PointOrder::smoothness) > hexahedra_by_volume(PointOrder::fifo));
 }

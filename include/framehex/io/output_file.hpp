@@ -65,6 +65,7 @@ public:
 
   /// @throws io_error  when the disk is full or fails.
   void write(std::string_view bytes) {
+    if (bytes.empty()) return;  // its data may be null, which fwrite does not allow
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("cannot be written whole");
   }
 

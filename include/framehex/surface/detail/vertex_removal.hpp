@@ -17,7 +17,7 @@ public:
   };
 
   VertexRemover(EditableSurface& surface, const SectorNormals& normals)
-      : surface_(surface), normals_(normals), flipper_(surface, normals), stamp_(surface.points.size(), 0) {}
+      : surface_(surface), normals_(normals), flipper_(surface, normals) {}
 
   /// Removes what it can of the given vertices and keeps the others in the list, in their order.
   void run(std::vector<index_t>& unwanted, const Limits& limits) {
@@ -68,8 +68,9 @@ private:
   /// The only neighbours that v and w share are the two apexes of their edge: else the surface would be pinched.
   bool link_condition(index_t h) const {
     const index_t v = surface_.from(h), w = surface_.to(h);
+    stamp_.resize(surface_.points.size(), 0);  // vertices may have been added since
     ++now_;
-    mark_neighbours(w);
+    visit_neighbours(w, [&](index_t x) { stamp_[x] = now_; });
     index_t common = 0;
     visit_neighbours(v, [&](index_t x) { common += stamp_[x] == now_; });
     return common == (surface_.opposite[h] == no_index ? 1u : 2u);
@@ -81,12 +82,6 @@ private:
       visit(surface_.to(h));
       const index_t incoming = EditableSurface::previous(h);
       if (surface_.opposite[incoming] == no_index) visit(surface_.from(incoming));
-    });
-  }
-  void mark_neighbours(index_t v) const {
-    visit_neighbours(v, [&](index_t x) {
-      if (x >= stamp_.size()) stamp_.resize(surface_.points.size(), 0);
-      stamp_[x] = now_;
     });
   }
 
@@ -133,7 +128,7 @@ private:
   EditableSurface& surface_;
   const SectorNormals& normals_;
   DelaunayFlipper flipper_;
-  mutable std::vector<index_t> stamp_;
+  mutable std::vector<index_t> stamp_;  // of a vertex: when it was last seen
   mutable index_t now_ = 0;
 };
 
