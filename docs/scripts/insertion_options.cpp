@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 // Makes the tables of docs/insertion.md: what each remedy for the lattice is worth, in hexahedra of the whole pipeline.
 //   g++ -std=c++20 -O2 -Iinclude -Itests -isystem /usr/include/eigen3 docs/scripts/insertion_options.cpp -o options
-//   ./options dome.stl 0.156 [more surfaces and sizes ...]
+//   ./options [best] dome.stl 0.156 [more surfaces and sizes ...]
+// The field is `best` or, without that word, `smoothed`.
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/verify/validity.hpp"
