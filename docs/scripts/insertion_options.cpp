@@ -43,11 +43,7 @@ std::vector<Variant> variants() {
       {"no rounds in the volume", [](MeshingOptions& o) { o.volume.rounds = 0; }},
       {"surface rejection 0.6", [](MeshingOptions& o) { o.surface.rejection = 0.6; }},
       {"surface rejection 0.7", [](MeshingOptions& o) { o.surface.rejection = 0.7; }},
-      {"volume rejection 0.5",
-       [](MeshingOptions& o) {
-         o.volume.rejection = 0.5;
-         o.volume.link_distance = 0.35;
-       }},
+      {"volume rejection 0.5", [](MeshingOptions& o) { o.volume.rejection = 0.5; }},
       {"volume rejection 0.65", [](MeshingOptions& o) { o.volume.rejection = 0.65; }},
       {"volume rejection 0.7", [](MeshingOptions& o) { o.volume.rejection = 0.7; }},
       {"matched curves", [](MeshingOptions& o) { o.curves.matching = IntervalMatching::opposite_sides; }},
