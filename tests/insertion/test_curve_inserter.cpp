@@ -139,6 +139,24 @@ TEST_CASE("sizes that cannot be used are refused by name") {
                   invalid_option);
 }
 
+TEST_CASE("more samples than allowed are refused whatever asks for them, before they are made") {
+  const LoneCurve ring(circle(1, 100), true);
+  const auto run = [&](double h, const CurveOptions& options) {
+    return insert_curve_points(ring.surface, ring.features, constant(h), options).samples.size();
+  };
+  CHECK_THROWS_AS(run(1, {.closed_multiple = 4'000'000'000u}), invalid_option);
+  CHECK_THROWS_AS(run(1, {.closed_multiple = 1000, .max_points = 100}), invalid_option);
+  CHECK_THROWS_AS(run(1, {.max_turn = 1e-3, .max_points = 100}), invalid_option);
+  CHECK_THROWS_WITH(run(1e-9, {}), Catch::Contains("about 6.28215e+09"));  // 200 sin(pi / 100) / 1e-9
+}
+
+TEST_CASE("the turn of a closed curve is a full one") {
+  const LoneCurve ring(circle(1, 16), true);
+  const auto result =
+      insert_curve_points(ring.surface, ring.features, constant(9), {.closed_multiple = 1, .max_turn = 0.1});
+  CHECK(result.n_intervals[0] == 63);  // 2 pi / 0.1, rounded up
+}
+
 TEST_CASE("a size that jumps by 100 keeps the samples ordered and as dense as asked") {
   const LoneCurve curve({{0, 0, 0}, {1, 0, 0}}, false);
   const auto size = [](const Vector3& p) { return p.x() < 0.5 ? 0.1 : 0.001; };

@@ -146,6 +146,14 @@ TEST_CASE("edges and diagonals of a shaken lattice come where a flip can bring t
   CHECK(n_restored > 20);
 }
 
+TEST_CASE("a lattice point that is no vertex of the mesh is refused") {
+  IndexedTetMesh mesh = octahedron();
+  const LatticeLinks<6> links(3, {no_index, no_index, no_index, no_index, no_index, no_index});
+  const auto n = static_cast<index_t>(mesh.points.size());
+  CHECK_THROWS_WITH(restore_lattice(mesh, links, [n](index_t p) { return p == 2 ? n : p; }),
+                    "lattice point 2 is not a vertex of the mesh");
+}
+
 TEST_CASE("a quadrilateral without a diagonal wants the shorter one") {
   // The quadrilateral 0 1 2 3 of a lattice, split by an edge from below to above through its middle.
   IndexedTetMesh mesh = octahedron();

@@ -155,7 +155,8 @@ TEST_CASE("bad sizes and options of the surface stage are refused; an observer c
   for (const double h : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) CHECK_THROWS_AS(run(h), invalid_field);
   CHECK_THROWS_WITH(run(1e-4), Catch::Contains("about 6e+08 points"));
   CHECK_THROWS_AS(run(0.2, {.rejection = 1.5}), invalid_option);
-  CHECK_THROWS_AS(run(0.2, {.link_distance = 0.9}), invalid_option);
+  CHECK_THROWS_AS(run(0.2, {.link_distance = 0.97}), invalid_option);
+  CHECK(run(0.2, {.rejection = 0.3}).status == Status::complete);  // the link distance follows
   int calls = 0;
   const auto result = run(0.01, {.observer = [&](const Progress& progress) {
                             CHECK(progress.fraction <= 1);
@@ -164,4 +165,36 @@ TEST_CASE("bad sizes and options of the surface stage are refused; an observer c
   CHECK(calls == 3);
   CHECK(result.status == Status::cancelled);
   CHECK(run(5.0).samples.size() == curves.samples.size());
+}
+
+TEST_CASE("arguments of another surface are refused") {
+  const Case c(box_surface({1, 1, 1}), Quaternion::Identity());
+  const Case other(box_surface({1, 1, 1}, 2, 2, 2), Quaternion::Identity());
+  const auto size = constant(0.2);
+  const auto curves = insert_curve_points(c.surface, c.features, size);
+  const auto run = [&](const FeatureGraph& features, std::span<const Quaternion> frames,
+                       std::span<const double> smoothness, const CurveInsertion& samples) {
+    return insert_surface_points(c.surface, c.adjacency, features, frames, smoothness, samples, size);
+  };
+  CHECK_NOTHROW(run(c.features, c.frames, {}, curves));
+  CHECK_THROWS_WITH(run(c.features, std::span(c.frames).first(5), {}, curves), "there are 5 frames for 12 triangles");
+  CHECK_THROWS_AS(run(c.features, {}, {}, curves), invalid_option);
+  const std::vector<double> smoothness(c.surface.points.size() - 1, 1.0);
+  CHECK_THROWS_AS(run(c.features, c.frames, smoothness, curves), invalid_option);
+  CHECK_THROWS_AS(run(other.features, c.frames, {}, curves), invalid_option);
+  CHECK_THROWS_AS(run(c.features, c.frames, {}, CurveInsertion{}), invalid_option);
+  CurveInsertion strange = curves;
+  strange.samples.back().entity = 12;
+  CHECK_THROWS_AS(run(c.features, c.frames, {}, strange), invalid_option);
+}
+
+TEST_CASE("progress of the surface stage never falls") {
+  const Case c(box_surface({1, 1, 1}), Quaternion::Identity());
+  double before = 0;
+  c.insert<SmoothnessOrder>(constant(0.03), {.observer = [&](const Progress& progress) {
+                              CHECK(progress.fraction >= before);
+                              before = progress.fraction;
+                              return true;
+                            }});
+  CHECK(before > 0.7);
 }

@@ -238,8 +238,30 @@ TEST_CASE("bad sizes and options of the volume stage are refused; observer and b
   CHECK(cancelled.status == Status::cancelled);
   CHECK(calls == 2);
 
+  double before = 0;
+  run(0.05, {.observer = [&](const Progress& progress) {
+        CHECK(progress.fraction >= before);
+        before = progress.fraction;
+        return progress.fraction < 0.6;  // in the third of four rounds
+      }});
+  CHECK(before >= 0.6);
+
   const auto size = constant(1.0);
   CHECK(insert_volume_points<FifoOrder>({}, ConstantFrames{}, size, domain).points.empty());
+}
+
+TEST_CASE("seeds that are not finite and frames that are not unit quaternions are refused by their place") {
+  const BoxDomain domain{Quaternion::Identity(), Vector3(1, 1, 1)};
+  const auto size = constant(0.25);
+  auto seeds = lattice_seeds({4, 4, 4}, 0.25, Quaternion::Identity());
+  struct LongFrames {
+    ConstantFrames::Sample sample(const Vector3&, index_t&) const { return {Quaternion(2, 0.5, 0, 0), 1.0}; }
+  };
+  CHECK_THROWS_WITH(insert_volume_points<FifoOrder>(seeds, LongFrames{}, size, domain),
+                    Catch::Contains("not a unit quaternion"));
+  seeds[7].point.y() = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(insert_volume_points<FifoOrder>(seeds, ConstantFrames{}, size, domain),
+                    "boundary seed 7 has a coordinate that is not finite");
 }
 
 TEST_CASE("step by step is the same as in one go") {

@@ -24,7 +24,8 @@ enum class IntervalMatching {
 
 struct CurveOptions {
   index_t closed_multiple = 2;  ///< intervals of a closed curve without a corner: a multiple of this, at least four
-  double max_turn = std::numbers::pi / 2;  ///< rad, > 0: an interval turns by no more than this, however large the size
+  double max_turn = std::numbers::pi / 2;  ///< rad, 1e-3 to 1e3: a curve gets its whole turn over this in intervals or
+                                           ///< more, however large the size
   IntervalMatching matching = IntervalMatching::none;  ///< docs/insertion.md measures it
   std::size_t max_points = 5'000'000;                  ///< refuse sizes that ask for more
 };
@@ -54,24 +55,31 @@ struct MeasuredCurve {
   }
 };
 
+/// @param closed  the turn from the last segment to the first counts.
+/// @param limit   of the length: beyond it the curve is measured no further.
 template <SizeCallable Size>
-MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const index_t> vertices, const Size& size) {
+MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const index_t> vertices, bool closed,
+                            const Size& size, double limit) {
   constexpr double steps_per_size = 4, max_steps = 100'000;
   MeasuredCurve curve;
-  Vector3 last_direction = Vector3::Zero();
+  Vector3 first_direction = Vector3::Zero(), last_direction = Vector3::Zero();
+  const auto turn_to = [&](const Vector3& direction) {
+    if (!last_direction.isZero()) curve.turn += std::acos(std::clamp(direction.dot(last_direction), -1.0, 1.0));
+    last_direction = direction;
+  };
   for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
     const Vector3 &a = points[vertices[i]], &b = points[vertices[i + 1]];
     const double length = (b - a).norm();
     if (length == 0) continue;
     const Vector3 direction = (b - a) / length;
-    if (!last_direction.isZero()) curve.turn += std::acos(std::clamp(direction.dot(last_direction), -1.0, 1.0));
-    last_direction = direction;
+    turn_to(direction);
+    if (first_direction.isZero()) first_direction = direction;
     const auto size_at = [&](double s) { return checked_size(size, Vector3(a + s * (b - a))); };
     const double least = std::min({size_at(0), size_at(0.5), size_at(1)});
     const double n = std::clamp(std::ceil(steps_per_size * length / least), 1.0, max_steps);
     double before = 1 / size_at(0);
     const double arc = curve.arc.back();
-    for (double k = 1; k <= n; ++k) {  // Simpson's rule on each step
+    for (double k = 1; k <= n && curve.length() <= limit; ++k) {  // Simpson's rule on each step
       const double after = 1 / size_at(k / n);
       const double mean = (before + 4 / size_at((k - 0.5) / n) + after) / 6;
       curve.metric.push_back(curve.metric.back() + mean * length / n);
@@ -79,7 +87,21 @@ MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const ind
       before = after;
     }
   }
+  if (closed) turn_to(first_direction);
   return curve;
+}
+
+/// Length of all curves in units of the size, by Simpson's rule on each segment: what a message needs.
+template <SizeCallable Size>
+double estimate_length(std::span<const Vector3> points, const Csr<index_t>& curves, const Size& size) {
+  double sum = 0;
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    for (std::size_t i = 0; i + 1 < curves[c].size(); ++i) {
+      const Vector3 &a = points[curves[c][i]], &b = points[curves[c][i + 1]];
+      sum += (b - a).norm() / 6 *
+             (1 / checked_size(size, a) + 4 / checked_size(size, Vector3(0.5 * (a + b))) + 1 / checked_size(size, b));
+    }
+  return sum;
 }
 
 /// Fewest intervals with which a curve, together with the others, bounds surfaces that can still be triangulated.
@@ -151,25 +173,38 @@ CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const Fea
   };
 
   CurveInsertion result;
+  const auto is_closed = [&](std::span<const index_t> row) {
+    return row.front() == row.back() && !is_corner(row.front());
+  };
   std::vector<detail::MeasuredCurve> measured;
   const std::vector<index_t> least = detail::least_intervals(features);
   std::vector<double> lengths, floors;
-  double total = static_cast<double>(features.corners.size());
+  const auto n_corners = static_cast<double>(features.corners.size()), most = static_cast<double>(options.max_points);
+  double total = n_corners;
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    const auto& curve = measured.emplace_back(detail::measure_curve<Size>(surface.points, features.curves[c], size));
+    const std::span<const index_t> row = features.curves[c];
+    const auto& curve =
+        measured.emplace_back(detail::measure_curve<Size>(surface.points, row, is_closed(row), size, most - total));
     total += curve.length();
-    detail::check_estimate("curves", total, options.max_points);
+    if (total > most)
+      detail::check_estimate(
+          "curves", std::max(total, n_corners + detail::estimate_length(surface.points, features.curves, size)),
+          options.max_points);
     lengths.push_back(curve.length());
     floors.push_back(std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6)));
   }
   if (options.matching == IntervalMatching::opposite_sides)
     detail::match_curves(detail::opposite_curves(surface, features), lengths, floors);
+  total = n_corners;
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
     const std::span<const index_t> row = features.curves[c];
-    const bool closed = row.front() == row.back() && !is_corner(row.front());
+    const bool closed = is_closed(row);
     const double multiple = closed ? static_cast<double>(options.closed_multiple) : 1.0;
     const double fewest = std::ceil(std::max(closed ? 4.0 : 1.0, floors[c]) / multiple);
-    result.n_intervals.push_back(static_cast<index_t>(multiple * std::max(std::round(lengths[c] / multiple), fewest)));
+    const double n = multiple * std::max(std::round(lengths[c] / multiple), fewest);
+    total += n;
+    detail::check_estimate("curves", total, options.max_points);
+    result.n_intervals.push_back(static_cast<index_t>(n));
   }
 
   for (std::size_t i = 0; i < features.corners.size(); ++i)
@@ -179,8 +214,7 @@ CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const Fea
     const std::span<const index_t> row = features.curves[c];
     const index_t n = result.n_intervals[c];
     detail::CurveWalker walker(surface.points, row);
-    const bool closed = row.front() == row.back() && !is_corner(row.front());
-    for (index_t k = closed ? 0 : 1; k < n; ++k) {
+    for (index_t k = is_closed(row) ? 0 : 1; k < n; ++k) {
       const double arc = measured[c].arc_at(measured[c].length() * (static_cast<double>(k) / n));
       result.samples.push_back({walker.at(arc), SampleKind::curve, static_cast<index_t>(c), arc});
     }

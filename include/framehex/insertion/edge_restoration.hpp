@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/errors.hpp"
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/insertion/lattice_links.hpp"
 #include "framehex/mesh/adjacency.hpp"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace framehex {
@@ -206,12 +208,18 @@ inline std::vector<VertexPair> missing_diagonals(const IndexedTetMesh& mesh,
 ///
 /// Where eight points are nearly on a sphere, rounding decides how a tetrahedraliser joins them.
 ///
-/// @param vertex_of  point of the lattice -> vertex of the mesh.
+/// @param vertex_of  point of the lattice -> vertex of the mesh. Points inside come after all vertices of the boundary,
+/// of
+///                   which a retriangulation may have more than there are samples.
+/// @throws invalid_option  with the first point whose vertex is out of range.
 /// @return edges and diagonals together.
 /// @par Complexity   O(n log n).
 /// @par Source       the flips of Joe, SIAM J. Sci. Stat. Comput. 10 (1989), 718-741.
 template <class VertexOf>
 EdgeRestoration restore_lattice(IndexedTetMesh& mesh, const LatticeLinks<6>& links, VertexOf&& vertex_of) {
+  for (index_t p = 0; p < links.size(); ++p)
+    if (vertex_of(p) >= mesh.points.size())
+      throw invalid_option("lattice point " + std::to_string(p) + " is not a vertex of the mesh", Entity::vertex, {p});
   std::vector<VertexPair> wanted = lattice_edges(links, vertex_of);
   const EdgeRestoration edges = restore_edges(mesh, wanted);
   std::vector<std::array<index_t, 8>> cells = lattice_cells(links);

@@ -5,6 +5,7 @@
 #include "framehex/errors.hpp"
 
 #include <cmath>
+#include <span>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -27,6 +28,14 @@ double checked_size(const S& size, const Vector3& p) {
   message << "the size field is " << h << " at (" << p.x() << ", " << p.y() << ", " << p.z()
           << "); it must be positive, finite and within the precision of the coordinates";
   throw invalid_field(message.str());
+}
+
+/// The same values, refused when they are not one for each of `n` entities.
+template <class T>
+std::span<const T> one_each(std::span<const T> values, std::size_t n, const char* values_name, const char* entities) {
+  if (values.size() == n) return values;
+  throw invalid_option("there are " + std::to_string(values.size()) + " " + values_name + " for " + std::to_string(n) +
+                       " " + entities);
 }
 
 inline void check_factor(const char* name, double value, double low, double high) {

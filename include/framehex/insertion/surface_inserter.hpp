@@ -37,7 +37,9 @@ public:
   /// @param frames      n; z is the outward normal, x and y the cross.
   /// @param smoothness  n_vertices, or empty.
   /// @param curves      samples of the corners and curves of `features`.
-  /// @throws invalid_option  options out of range, or sizes that ask for more than `max_points` samples.
+  /// @throws invalid_option  options out of range, arguments that belong to another surface as far as their numbers
+  /// tell,
+  ///                         or sizes that ask for more than `max_points` samples.
   /// @throws invalid_field   a size that is not positive and finite.
   SurfaceInserter(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
                   std::span<const Quaternion> frames, std::span<const double> smoothness, const CurveInsertion& curves,
@@ -45,6 +47,7 @@ public:
       : options_(checked(std::move(options))),
         queue_(std::move(order)),
         lattice_(surface, adjacency, features, frames, smoothness, size, *options_.rejection, options_) {
+    check_curves(surface, features, curves);
     estimate(surface, size);
     add_curve_samples(detail::CurveSites(surface, adjacency, features, lattice_.walker()), features, curves);
     add_patch_seeds(surface, features);
@@ -70,8 +73,9 @@ public:
   SurfaceInsertion finish() {
     const SurfaceInsertion& now = lattice_.insertion();
     run_queue();
-    for (index_t round = 0; round < options_.rounds && now.status == Status::complete; ++round) {
-      for (index_t sweep = 0; sweep < options_.sweeps; ++sweep) detail::relax_surface(lattice_);
+    for (round_ = 1; round_ <= options_.rounds && now.status == Status::complete; ++round_) {
+      for (index_t sweep = 0; sweep < options_.sweeps && report(0); ++sweep) detail::relax_surface(lattice_);
+      if (now.status != Status::complete) break;
       for (index_t p = 0; p < lattice_.n_samples(); ++p) push(p);
       run_queue();
     }
@@ -90,8 +94,25 @@ private:
     if (!options.rejection) options.rejection = detail::surface_rejection<Order>();
     detail::check_factor("rejection", *options.rejection, 0.05, 0.95);
     detail::check_factor("boundary_distance", options.boundary_distance, 1e-3, 2);
-    detail::check_factor("link_distance", options.link_distance, 0, *options.rejection);
+    detail::check_factor("link_distance", options.link_distance, 0, 0.95);
+    options.link_distance = std::min(options.link_distance, *options.rejection);
     return options;
+  }
+
+  static void check_curves(const IndexedTriangleMesh& surface, const FeatureGraph& features,
+                           const CurveInsertion& curves) {
+    detail::one_each(std::span(features.triangle_patch), surface.triangles.size(), "patch labels", "triangles");
+    detail::one_each(std::span(curves.first_of_curve), features.curves.size() + 1, "rows of curve samples",
+                     "curves and their end");
+    detail::one_each(std::span(curves.samples), curves.first_of_curve.back(), "curve samples", "places in their rows");
+    for (std::size_t i = 0; i < curves.samples.size(); ++i) {
+      const SurfaceSample& sample = curves.samples[i];
+      const bool corner = i < features.corners.size();
+      if (sample.kind != (corner ? SampleKind::corner : SampleKind::curve) ||
+          sample.entity >= (corner ? features.corners.size() : features.curves.size()))
+        throw invalid_option("curve sample " + std::to_string(i) + " is of no corner or curve of this surface",
+                             Entity::vertex, {i});
+    }
   }
 
   void push(index_t p) { queue_.push(p, lattice_.insertion().smoothness[p], lattice_.generation(p)); }
@@ -105,11 +126,15 @@ private:
         return;
       }
       const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(now.n_curve_samples) + 1);
-      if (n % steps_per_report == 0 && !keep_going(options_.observer, "surface insertion", std::min(done, 1.0))) {
-        now.status = Status::cancelled;
-        return;
-      }
+      if (n % steps_per_report == 0 && !report(std::min(done, 1.0))) return;
     }
+  }
+
+  /// @param done  share of this round. @return false when the observer has cancelled.
+  bool report(double done) {
+    if (keep_going(options_.observer, "surface insertion", (round_ + done) / (options_.rounds + 1.0))) return true;
+    lattice_.insertion().status = Status::cancelled;
+    return false;
   }
 
   void estimate(const IndexedTriangleMesh& surface, const Size& size) {
@@ -230,6 +255,7 @@ private:
   SurfaceOptions options_;
   Order queue_;
   double estimate_ = 0;
+  index_t round_ = 0;
   Lattice lattice_;
   std::vector<std::vector<detail::Sector>> sectors_;  // of the curve samples: their ways to leave
 };

@@ -40,6 +40,7 @@ public:
   static constexpr std::size_t any_direction = 4;  ///< of curve samples, whose links are in no order
 
   /// @param surface, adjacency, features, size  kept by reference.
+  /// @throws invalid_option  when something is not one for each of what it belongs to.
   SurfaceLattice(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
                  std::span<const Quaternion> frames, std::span<const double> smoothness, const Size& size,
                  double rejection, const SurfaceOptions& options)
@@ -48,8 +49,12 @@ public:
         rejection_(rejection),
         boundary_distance_(options.boundary_distance),
         link_distance_(options.link_distance),
-        walker_(surface, adjacency, features.is_feature),
-        cross_(surface, adjacency, walker_, frames, smoothness),
+        walker_(surface, adjacency,
+                one_each(std::span(std::as_const(features.is_feature)), 3 * surface.triangles.size(), "feature flags",
+                         "half edges")),
+        cross_(surface, adjacency, walker_, one_each(frames, surface.triangles.size(), "frames", "triangles"),
+               smoothness.empty() ? smoothness
+                                  : one_each(smoothness, surface.points.size(), "smoothness values", "vertices")),
         proximity_(1.0) {}
 
   SurfaceLattice(const SurfaceLattice&) = delete;

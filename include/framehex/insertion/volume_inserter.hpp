@@ -34,12 +34,14 @@ public:
   /// @param frames, size, domain  kept by reference.
   /// @param seeds                 n points on the boundary.
   /// @throws invalid_option       options out of range, or sizes that ask for more than `max_points` points.
-  /// @throws invalid_field        a size that is not positive and finite.
+  /// @throws invalid_coordinate   a seed that is not finite, by its index.
+  /// @throws invalid_field        a size that is not positive and finite, or a frame that is not a unit quaternion.
   VolumeInserter(const Frames& frames, const Size& size, const D& domain, std::span<const BoundarySeed> seeds,
                  VolumeOptions options = {}, Order order = Order{})
       : options_(checked(std::move(options))),
         queue_(std::move(order)),
         lattice_(frames, size, domain, *options_.rejection, options_) {
+    check_finite(seeds);
     estimate(seeds, size, domain);
     lattice_.insertion().n_seeds = seeds.size();
     for (const BoundarySeed& seed : seeds) add_seed(seed);
@@ -60,8 +62,9 @@ public:
     const VolumeInsertion& now = lattice_.insertion();
     run_queue();
     detail::VolumeRelaxation relaxation(lattice_, now.n_seeds, *options_.least_move);
-    for (index_t round = 0; round < options_.rounds && now.status == Status::complete; ++round) {
-      for (index_t sweep = 0; sweep < options_.sweeps; ++sweep) relaxation.sweep();
+    for (round_ = 1; round_ <= options_.rounds && now.status == Status::complete; ++round_) {
+      for (index_t sweep = 0; sweep < options_.sweeps && report(0); ++sweep) relaxation.sweep();
+      if (now.status != Status::complete) break;
       // A point that stayed would propose what was turned down before.
       relaxation.take_moved([&](index_t p) { queue_.push(p, now.smoothness[p], now.generations[p]); });
       run_queue();
@@ -87,7 +90,8 @@ private:
     if (!options.rejection) options.rejection = Order::default_rejection;
     detail::check_factor("rejection", *options.rejection, 0.05, 0.95);
     detail::check_factor("boundary_distance", options.boundary_distance, 1e-3, 2);
-    detail::check_factor("link_distance", options.link_distance, 0, *options.rejection);
+    detail::check_factor("link_distance", options.link_distance, 0, 0.95);
+    options.link_distance = std::min(options.link_distance, *options.rejection);
     if (!options.least_move) options.least_move = detail::least_move<Order>();
     detail::check_factor("least_move", *options.least_move, 1e-9, 1);
     return options;
@@ -102,11 +106,22 @@ private:
         return;
       }
       const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(now.n_seeds));
-      if (n % steps_per_report == 0 && !keep_going(options_.observer, "volume insertion", std::min(done, 1.0))) {
-        now.status = Status::cancelled;
-        return;
-      }
+      if (n % steps_per_report == 0 && !report(std::min(done, 1.0))) return;
     }
+  }
+
+  /// @param done  share of this round. @return false when the observer has cancelled.
+  bool report(double done) {
+    if (keep_going(options_.observer, "volume insertion", (round_ + done) / (options_.rounds + 1.0))) return true;
+    lattice_.insertion().status = Status::cancelled;
+    return false;
+  }
+
+  static void check_finite(std::span<const BoundarySeed> seeds) {
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+      if (!seeds[i].point.allFinite() || !seeds[i].normal.allFinite())
+        throw invalid_coordinate("boundary seed " + std::to_string(i) + " has a coordinate that is not finite",
+                                 Entity::vertex, {i});
   }
 
   /// Number of points to be expected, and the largest size, from a grid over the bounding box.
@@ -206,6 +221,7 @@ private:
   VolumeOptions options_;
   Order queue_;
   double estimate_ = 0;
+  index_t round_ = 0;
   Lattice lattice_;
   std::vector<std::uint8_t> outward_;  // of a seed: the direction that leaves the domain
 };

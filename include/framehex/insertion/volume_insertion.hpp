@@ -11,8 +11,8 @@
 
 namespace framehex {
 
-/// Frames in space, as `FrameField` gives them: `sample(p, hint)` returns `.frame` (Quaternion) and `.smoothness` at
-/// any point near the domain; `hint` is where the caller's last search ended (`no_index` at first) and is updated.
+/// Frames in space, as `FrameField` gives them: `sample(p, hint)` returns `.frame` (unit Quaternion) and `.smoothness`
+/// at any point near the domain; `hint` is where the caller's last search ended (`no_index` at first) and is updated.
 template <class F>
 concept FrameSource = requires(const F& field, const Vector3& p, index_t& hint) {
   { field.sample(p, hint).frame } -> std::convertible_to<Quaternion>;
@@ -50,14 +50,16 @@ enum class ParentAveraging {
 
 struct VolumeOptions {
   std::optional<double> rejection =
-      std::nullopt;                ///< (0, 1): least distance in the infinity norm, in sizes; empty: the order's own
-  double boundary_distance = 0.5;  ///< least distance to the boundary, in sizes
-  double link_distance = 0.35;     ///< a proposal this near to a point (in sizes, infinity norm) is that point
+      std::nullopt;  ///< 0.05 to 0.95: least distance in the infinity norm, in sizes; empty: the order's own
+  double boundary_distance = 0.5;  ///< 1e-3 to 2: least distance to the boundary, in sizes
+  double link_distance = 0.35;     ///< a proposal this near to a point (in sizes, infinity norm) is that point; no more
+                                   ///< than `rejection` counts
   ParentAveraging averaging = ParentAveraging::parents;
   index_t rounds = 3;  ///< how often the points are relaxed, and those that moved propose again
   index_t sweeps =
       5;  ///< of a relaxation: each moves every point towards the mean of what its lattice neighbours predict
-  /// Of a sweep, in sizes: a point off by less stays; most of the cost of a relaxation. Empty: the order's own.
+  /// Of a sweep, in sizes, 1e-9 to 1: a point off by less stays; most of the cost of a relaxation. Empty: the order's
+  /// own.
   std::optional<double> least_move = std::nullopt;
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -106,6 +107,7 @@ public:
   Probe probe(const Vector3& p, index_t hint) const {
     const auto sample = frames_.sample(p, hint);
     const Quaternion frame = sample.frame;
+    if (!(std::abs(frame.squaredNorm() - 1) < 1e-6)) not_a_frame(p);
     return {frame.toRotationMatrix(), frame, sample.smoothness, detail::checked_size(size_, p), hint};
   }
 
@@ -207,6 +209,12 @@ public:
   }
 
 private:
+  [[noreturn]] static void not_a_frame(const Vector3& p) {
+    std::ostringstream message;
+    message << "the frame at (" << p.x() << ", " << p.y() << ", " << p.z() << ") is not a unit quaternion";
+    throw invalid_field(message.str());
+  }
+
   /// Is a point with these coordinates too far from every axis to be the neighbour along it? Its prediction turns by
   /// half of the angle between its axis and the candidate's, which is at most 54.8 degrees.
   static bool beside_axes(const Vector3& local, double tolerance, double step) {
