@@ -155,8 +155,8 @@ TEST_CASE("bad sizes and options of the surface stage are refused; an observer c
   for (const double h : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) CHECK_THROWS_AS(run(h), invalid_field);
   CHECK_THROWS_WITH(run(1e-4), Catch::Contains("about 6e+08 points"));
   CHECK_THROWS_AS(run(0.2, {.rejection = 1.5}), invalid_option);
-  CHECK_THROWS_AS(run(0.2, {.link_distance = 0.97}), invalid_option);
-  CHECK(run(0.2, {.rejection = 0.3}).status == Status::complete);  // the link distance follows
+  CHECK_THROWS_AS(run(0.2, {.link_distance = 0.9}), invalid_option);
+  CHECK(run(0.2, {.rejection = 0.3}).status == Status::complete);  // the default link distance follows
   int calls = 0;
   const auto result = run(0.01, {.observer = [&](const Progress& progress) {
                             CHECK(progress.fraction <= 1);

@@ -10,8 +10,9 @@ struct SurfaceOptions {
   std::optional<double> rejection = std::nullopt;  ///< 0.05 to 0.95: least distance in the infinity norm of the local
                                                    ///< cross, in sizes; empty: the order's own
   double boundary_distance = 0.5;                  ///< 1e-3 to 2: least distance to feature curves, in sizes
-  double link_distance = 0.35;  ///< a proposal this near to a sample (in sizes, infinity norm) is that sample; no more
-                                ///< than `rejection` counts
+  /// At most `rejection`: a proposal this near to a sample (in sizes, infinity norm) is that sample. Empty: 0.35, or
+  /// `rejection` where that is less.
+  std::optional<double> link_distance = std::nullopt;
   ParentAveraging averaging = ParentAveraging::parents;
   index_t rounds = 3;  ///< how often the samples are relaxed and then propose again
   index_t sweeps =

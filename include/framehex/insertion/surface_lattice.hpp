@@ -48,7 +48,7 @@ public:
         size_(size),
         rejection_(rejection),
         boundary_distance_(options.boundary_distance),
-        link_distance_(options.link_distance),
+        link_distance_(*options.link_distance),
         walker_(surface, adjacency,
                 one_each(std::span(std::as_const(features.is_feature)), 3 * surface.triangles.size(), "feature flags",
                          "half edges")),

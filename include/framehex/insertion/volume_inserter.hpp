@@ -90,8 +90,8 @@ private:
     if (!options.rejection) options.rejection = Order::default_rejection;
     detail::check_factor("rejection", *options.rejection, 0.05, 0.95);
     detail::check_factor("boundary_distance", options.boundary_distance, 1e-3, 2);
-    detail::check_factor("link_distance", options.link_distance, 0, 0.95);
-    options.link_distance = std::min(options.link_distance, *options.rejection);
+    if (!options.link_distance) options.link_distance = std::min(0.35, *options.rejection);
+    detail::check_factor("link_distance", *options.link_distance, 0, *options.rejection);
     if (!options.least_move) options.least_move = detail::least_move<Order>();
     detail::check_factor("least_move", *options.least_move, 1e-9, 1);
     return options;
@@ -171,7 +171,7 @@ private:
 
     const auto [near, distance] = lattice_.nearest_within_rejection(candidate, at);
     if (near != no_index) {
-      const bool same = distance < options_.link_distance * at.size && near != p;
+      const bool same = distance < *options_.link_distance * at.size && near != p;
       if (same && lattice_.connect(p, direction, near, middle))
         ++statistics.linked;
       else

@@ -52,8 +52,9 @@ struct VolumeOptions {
   std::optional<double> rejection =
       std::nullopt;  ///< 0.05 to 0.95: least distance in the infinity norm, in sizes; empty: the order's own
   double boundary_distance = 0.5;  ///< 1e-3 to 2: least distance to the boundary, in sizes
-  double link_distance = 0.35;     ///< a proposal this near to a point (in sizes, infinity norm) is that point; no more
-                                   ///< than `rejection` counts
+  /// At most `rejection`: a proposal this near to a point (in sizes, infinity norm) is that point. Empty: 0.35, or
+  /// `rejection` where that is less.
+  std::optional<double> link_distance = std::nullopt;
   ParentAveraging averaging = ParentAveraging::parents;
   index_t rounds = 3;  ///< how often the points are relaxed, and those that moved propose again
   index_t sweeps =

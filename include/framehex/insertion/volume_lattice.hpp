@@ -47,7 +47,7 @@ public:
         domain_(domain),
         rejection_(rejection),
         boundary_distance_(options.boundary_distance),
-        link_distance_(options.link_distance),
+        link_distance_(*options.link_distance),
         proximity_(1.0) {}
 
   /// Before the first point: sizes are up to `largest`.
