@@ -46,8 +46,6 @@ std::vector<Variant> variants() {
       {"volume rejection 0.5", [](MeshingOptions& o) { o.volume.rejection = 0.5; }},
       {"volume rejection 0.65", [](MeshingOptions& o) { o.volume.rejection = 0.65; }},
       {"volume rejection 0.7", [](MeshingOptions& o) { o.volume.rejection = 0.7; }},
-      {"matched curves", [](MeshingOptions& o) { o.curves.matching = IntervalMatching::opposite_sides; }},
-      {"restored lattice", [](MeshingOptions& o) { o.restore_lattice = true; }},
       {"FIFO", [](MeshingOptions& o) { o.order = PointOrder::fifo; }},
       {"FIFO, no links, averaging or rounds", [](MeshingOptions& o) { o.order = PointOrder::fifo, without_links(o); }},
       {"FIFO, links, averaging", [](MeshingOptions& o) { o.order = PointOrder::fifo, without_rounds(o); }},
@@ -67,18 +65,17 @@ void run(const std::string& path, double size, FieldMethod method) {
     const auto hexahedron = static_cast<std::size_t>(CellKind::hexahedron);
     std::size_t n_hexahedra = 0;
     for (const CellKind kind : mesh.kinds) n_hexahedra += kind == CellKind::hexahedron;
-    const EdgeRestoration& lattice = result.statistics.lattice;
     std::cout << path << " | " << variant.name << " | "
               << 100.0 * static_cast<double>(n_hexahedra) / static_cast<double>(mesh.n_cells()) << " | "
               << 100 * volume.by_kind[hexahedron] / volume.cells << " | " << result.recombination.graph.n_candidates
-              << " | " << lattice.n_missing << " | " << lattice.n_restored << std::endl;
+              << std::endl;
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::cout << "model | variant | hexahedra % | by volume % | candidates | missing | restored" << std::endl;
+  std::cout << "model | variant | hexahedra % | by volume % | candidates" << std::endl;
   const bool best = argc > 1 && std::string(argv[1]) == "best";
   for (int i = best ? 2 : 1; i + 1 < argc; i += 2)
     run(argv[i], std::stod(argv[i + 1]), best ? FieldMethod::best : FieldMethod::smoothed);

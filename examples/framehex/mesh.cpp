@@ -3,7 +3,7 @@
 
 #include "framehex/adapters/assimp_surface.hpp"
 #include "framehex/adapters/tetgen_process.hpp"
-#include "framehex/field/size_field.hpp"
+#include "framehex/field/vertex_size_field.hpp"
 
 #include "commands.hpp"
 #include "library_options.hpp"

@@ -5,7 +5,7 @@
 //   select_graph graph.metis [greedy|best|exact] [gap in percent] [seconds] > members.txt
 //
 // The members are written one a line, counted from 1 as in the file.
-#include <framehex/selection/metis_format.hpp>
+#include <framehex/io/metis_format.hpp>
 #include <framehex/selection/select.hpp>
 #include <framehex/verify/independence.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <concepts>
 #include <cstddef>
@@ -70,5 +71,14 @@ public:
 private:
   std::size_t workers_;
 };
+
+/// Calls `body(first, last)` on blocks of [0, n) whose size does not depend on the executor, so that results do not either.
+template <Executor E, class Body>
+void for_blocks(const E& executor, std::size_t n, std::size_t block_size, Body&& body) {
+  executor((n + block_size - 1) / block_size, [&](std::size_t block, std::size_t) {
+    const std::size_t first = block * block_size;
+    body(first, std::min(n, first + block_size));
+  });
+}
 
 }  // namespace framehex

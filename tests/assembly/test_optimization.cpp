@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #include <catch2/catch.hpp>
 
-#include "framehex/assembly/boundary_slider.hpp"
 #include "framehex/assembly/optimization.hpp"
 #include "framehex/mesh/boundary.hpp"
+#include "framehex/surface/boundary_slider.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/cube_candidates.hpp"
 

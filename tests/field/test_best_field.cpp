@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/field/compute_frame_field.hpp"
-#include "framehex/field/size_field.hpp"
+#include "framehex/field/vertex_size_field.hpp"
 #include "support/mapped_lattices.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/insertion/background.hpp"
 #include "framehex/insertion/estimate.hpp"
+#include "framehex/tetrahedralization/background.hpp"
 #include "support/insertion_fixtures.hpp"
 
 #include <catch2/catch.hpp>

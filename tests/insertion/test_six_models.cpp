@@ -5,10 +5,10 @@
 // the bracket is so coarse that the rim of a bore is no feature of it.
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/field/compute_frame_field.hpp"
-#include "framehex/insertion/background.hpp"
 #include "framehex/insertion/rtree_filter.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
+#include "framehex/tetrahedralization/background.hpp"
 #include "support/insertion_fixtures.hpp"
 #include "support/ply.hpp"
 #include "support/stl.hpp"

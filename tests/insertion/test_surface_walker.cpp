@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/insertion/cross_sampler.hpp"
+#include "framehex/surface/cross_sampler.hpp"
 #include "support/insertion_fixtures.hpp"
 
 #include <catch2/catch.hpp>

@@ -120,18 +120,6 @@ TEST_CASE("improvement slides boundary vertices of a curved body, and none leave
   CHECK(verify::is_valid(improved));
 }
 
-TEST_CASE("edges of the lattice that the tetrahedraliser left out come back, and the mesh is as good as without") {
-  const IndexedTriangleMesh surface = test::sphere_surface(1, 3);
-  MeshingOptions options;
-  options.restore_lattice = true;
-  const MeshingResult result = mesh_surface(surface, Constant{0.15}, TetgenProcess{}, options);
-  CHECK(result.statistics.lattice.n_missing > 0);
-  CHECK(result.statistics.lattice.n_restored > 0);
-  CHECK(result.statistics.lattice.n_restored <= result.statistics.lattice.n_missing);
-  CHECK(verify::is_conforming(result.recombination.mesh));
-  CHECK(verify::is_valid(result.recombination.mesh));
-}
-
 TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
   const IndexedTriangleMesh surface = box({3, 2, 2}, 0.3);
   std::size_t n_calls = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/tetgen_process.hpp"
-#include "framehex/insertion/tetrahedralizer.hpp"
+#include "framehex/tetrahedralization/tetrahedralizer.hpp"
 #include "support/kuhn_lattice.hpp"
 
 #include <catch2/catch.hpp>

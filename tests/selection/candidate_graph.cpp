@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 // Writes the graph of a benchmark ball in METIS's format, for solvers from outside:
 //   candidate_graph CELLS_ACROSS FLOOR FILE
+#include "framehex/io/metis_format.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/conflict_search.hpp"
-#include "framehex/selection/metis_format.hpp"
 #include "lattice_ball.hpp"
 
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/selection/boost_graph_adaptor.hpp"
+#include "framehex/adapters/boost_graph.hpp"
 #include "support/random_graphs.hpp"
 
 #include <boost/graph/breadth_first_search.hpp>

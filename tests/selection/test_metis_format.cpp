@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/selection/metis_format.hpp"
+#include "framehex/io/metis_format.hpp"
 #include "support/random_graphs.hpp"
 
 #include <catch2/catch.hpp>

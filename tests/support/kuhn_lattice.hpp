@@ -15,7 +15,8 @@ inline IndexedTetMesh kuhn_lattice(index_t nx, index_t ny, index_t nz, double h 
     for (index_t j = 0; j <= ny; ++j)
       for (index_t i = 0; i <= nx; ++i) mesh.points.emplace_back(h * i, h * j, h * k);
   // One tetrahedron for each order in which the three steps from corner to corner are taken; odd orders are mirrored.
-  constexpr std::array<std::array<int, 3>, 6> orders{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+  constexpr std::array<std::array<int, 3>, 6> orders{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   for (index_t k = 0; k < nz; ++k)
     for (index_t j = 0; j < ny; ++j)
       for (index_t i = 0; i < nx; ++i)
@@ -33,6 +34,8 @@ inline IndexedTetMesh kuhn_lattice(index_t nx, index_t ny, index_t nz, double h 
   return mesh;
 }
 
-inline IndexedTetMesh kuhn_lattice(index_t n) { return kuhn_lattice(n, n, n); }
+inline IndexedTetMesh kuhn_lattice(index_t n) {
+  return kuhn_lattice(n, n, n);
+}
 
 }  // namespace framehex::test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/tetrahedralizer.hpp"
+#include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/boundary_faces.hpp"
 #include "framehex/assembly/detail/improver.hpp"
 #include "framehex/assembly/detail/mixed_export.hpp"
+#include "framehex/mesh/mixed_faces.hpp"
 
 namespace framehex {
 

@@ -3,6 +3,7 @@
 
 #include "framehex/errors.hpp"
 #include "framehex/field/cube_rotation_group.hpp"
+#include "framehex/geometry/rotation.hpp"
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/feature_graph.hpp"
@@ -208,7 +209,7 @@ private:
   /// The frame of a triangle, its z axis turned onto `normal`.
   Quaternion carried(const Corner& corner, const Vector3& normal) const {
     const Quaternion& frame = crosses_[corner.triangle];
-    return Quaternion::FromTwoVectors(frame * Vector3::UnitZ(), normal) * frame;
+    return rotation_between(frame * Vector3::UnitZ(), normal) * frame;
   }
 
   /// Mean normals of the parts into which the feature edges cut the triangles round the vertex; of each triangle

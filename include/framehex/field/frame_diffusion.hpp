@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/field/laplace_solver.hpp"
+#include "framehex/field/detail/laplace_solver.hpp"
 #include "framehex/field/quartic_frame.hpp"
 
 namespace framehex {

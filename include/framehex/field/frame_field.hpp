@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/field/detail/loop_removal.hpp"
+#include "framehex/field/detail/nearest_start.hpp"
+#include "framehex/field/detail/representatives.hpp"
 #include "framehex/field/frame_diffusion.hpp"
-#include "framehex/field/loop_removal.hpp"
-#include "framehex/field/nearest_start.hpp"
-#include "framehex/field/representatives.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/field/smoothing.hpp"
 #include "framehex/field/tet_locator.hpp"

@@ -13,15 +13,6 @@ namespace framehex {
 
 namespace detail {
 
-/// Calls `body(first, last)` on blocks of a size that does not depend on the executor.
-template <class E, class Body>
-void for_blocks(const E& executor, std::size_t n, std::size_t block_size, Body&& body) {
-  executor((n + block_size - 1) / block_size, [&](std::size_t block, std::size_t) {
-    const std::size_t first = block * block_size;
-    body(first, std::min(n, first + block_size));
-  });
-}
-
 inline constexpr std::size_t block_size = 1024;
 
 /// Weighted mean of frames, after turning each into the representative nearest to the heaviest one.
@@ -65,7 +56,7 @@ template <Executor E = SerialExecutor>
 std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<const Quaternion> frames,
                                      const E& executor = {}) {
   std::vector<double> smoothness(frames.size());
-  detail::for_blocks(executor, frames.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
+  for_blocks(executor, frames.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
     for (std::size_t v = first; v < last; ++v)
       smoothness[v] = detail::vertex_smoothness(static_cast<index_t>(v), adjacency.vertices_of_vertex[v], frames);
   });

@@ -179,7 +179,7 @@ SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternio
     const Csr<index_t> stages = detail::stages_of(ring, order);
     for (std::size_t stage = 0; stage < stages.size(); ++stage) {
       const std::span<const index_t> members = stages[stage];
-      detail::for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
+      for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) state.visit(members[i]);
       });
       if (!keep_going(options.observer, "smoothing",

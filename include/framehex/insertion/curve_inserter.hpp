@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/curve_matching.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/feature_graph.hpp"
@@ -16,18 +15,11 @@
 
 namespace framehex {
 
-/// Which curves agree on their number of intervals.
-enum class IntervalMatching {
-  none,           ///< each curve gets the count that suits its length
-  opposite_sides  ///< opposite sides of patches with four sides get the same count, where their lengths are comparable
-};
-
 struct CurveOptions {
   index_t closed_multiple = 2;  ///< intervals of a closed curve without a corner: a multiple of this, at least four
   double max_turn = std::numbers::pi / 2;  ///< rad, 1e-3 to 1e3: a curve gets its whole turn over this in intervals or
                                            ///< more, however large the size
-  IntervalMatching matching = IntervalMatching::none;  ///< docs/insertion.md measures it
-  std::size_t max_points = 5'000'000;                  ///< refuse sizes that ask for more
+  std::size_t max_points = 5'000'000;      ///< refuse sizes that ask for more
 };
 
 /// Samples of the corners and feature curves.
@@ -57,7 +49,7 @@ struct MeasuredCurve {
 
 /// @param closed  the turn from the last segment to the first counts.
 /// @param limit   of the length: beyond it the curve is measured no further.
-template <SizeCallable Size>
+template <SizeField Size>
 MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const index_t> vertices, bool closed,
                             const Size& size, double limit) {
   constexpr double steps_per_size = 4, max_steps = 100'000;
@@ -92,7 +84,7 @@ MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const ind
 }
 
 /// Length of all curves in units of the size, by Simpson's rule on each segment: what a message needs.
-template <SizeCallable Size>
+template <SizeField Size>
 double estimate_length(std::span<const Vector3> points, const Csr<index_t>& curves, const Size& size) {
   double sum = 0;
   for (std::size_t c = 0; c < curves.size(); ++c)
@@ -150,9 +142,7 @@ private:
 ///
 /// A curve from corner to corner gets its length in units of the size, rounded to the nearest whole number and at least
 /// one; a closed curve the nearest multiple of `closed_multiple`, at least four. Two curves between the same corners
-/// get two intervals at least and a loop at a corner three, or no triangulation could tell them apart. With
-/// `IntervalMatching::opposite_sides` opposite sides of a patch with four, whose lengths differ by a quarter at most,
-/// are rounded together: the mean of all that are joined in that way.
+/// get two intervals at least and a loop at a corner three, or no triangulation could tell them apart.
 ///
 /// @param surface   the triangulated surface, coordinates in the host's unit.
 /// @param features  its corners and curves.
@@ -163,7 +153,7 @@ private:
 /// @par Complexity   O(vertices + samples) evaluations of `size`.
 /// @par Source       Remacle et al., Int. J. Numer. Meth. Engng 94 (2013) 494-512, section 4. Departs: parity, least
 /// counts.
-template <detail::SizeCallable Size>
+template <SizeField Size>
 CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const FeatureGraph& features, const Size& size,
                                    const CurveOptions& options = {}) {
   if (options.closed_multiple == 0) throw invalid_option("closed_multiple must be at least 1");
@@ -193,8 +183,6 @@ CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const Fea
     lengths.push_back(curve.length());
     floors.push_back(std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6)));
   }
-  if (options.matching == IntervalMatching::opposite_sides)
-    detail::match_curves(detail::opposite_curves(surface, features), lengths, floors);
   total = n_corners;
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
     const std::span<const index_t> row = features.curves[c];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/geometry/size_field.hpp"
+#include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ struct PointEstimate {
 ///
 /// @throws invalid_field  when a size is not positive and finite.
 /// @par Complexity   O(triangles) evaluations of `size`.
-template <detail::SizeCallable Size>
+template <SizeField Size>
 PointEstimate estimate_surface_points(const IndexedTriangleMesh& surface, const Size& size) {
   PointEstimate result;
   for (const auto& t : surface.triangles) {
@@ -39,7 +40,7 @@ PointEstimate estimate_surface_points(const IndexedTriangleMesh& surface, const 
 ///
 /// @param domain  as the concept `Domain`. A domain so thin that the grid misses it is estimated at nothing.
 /// @throws invalid_field  when a size is not positive and finite.
-template <class Domain, detail::SizeCallable Size>
+template <class Domain, SizeField Size>
 PointEstimate estimate_volume_points(const Vector3& low, const Vector3& high, const Domain& domain, const Size& size) {
   constexpr int n = 16;
   PointEstimate result;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/detail/surface_relaxation.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
-#include "framehex/insertion/surface_relaxation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ namespace framehex {
 /// @par Determinism   The result depends on the arguments only.
 /// @par Source        the paper, section 3.2; Remacle et al., Int. J. Numer. Meth. Engng 94 (2013) 494-512. Departs:
 ///                    geodesics on the triangulation, lattice links, averaging of predictions, seeds.
-template <InsertionOrder Order, detail::SizeCallable Size, ProximityFilter Proximity = HashGrid>
+template <InsertionOrder Order, SizeField Size, ProximityFilter Proximity = HashGrid>
 class SurfaceInserter {
 public:
   /// @param surface, adjacency, features  n triangles; kept by reference, as is `size`.
@@ -264,7 +264,7 @@ private:
 ///
 /// @throws as `SurfaceInserter`.
 /// @par Complexity   O(samples) proposals, each of two short walks and a search, after O(triangles).
-template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, detail::SizeCallable Size>
+template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, SizeField Size>
 SurfaceInsertion insert_surface_points(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
                                        const FeatureGraph& features, std::span<const Quaternion> frames,
                                        std::span<const double> smoothness, const CurveInsertion& curves,

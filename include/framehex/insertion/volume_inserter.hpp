@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/rotation.hpp"
+#include "framehex/insertion/detail/volume_relaxation.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
-#include "framehex/insertion/volume_relaxation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -27,8 +28,7 @@ namespace framehex {
 /// @par Determinism   The result depends on the arguments only.
 /// @par Source        the paper, section 3.2; Carrier Baudouin et al., Adv. Model. Simul. Eng. Sci. 1:8 (2014).
 ///                    Departs: midpoint rule, lattice links, averaging of predictions.
-template <InsertionOrder Order, FrameSource Frames, detail::SizeCallable Size, Domain D,
-          ProximityFilter Proximity = HashGrid>
+template <InsertionOrder Order, FrameSource Frames, SizeField Size, Domain D, ProximityFilter Proximity = HashGrid>
 class VolumeInserter {
 public:
   /// @param frames, size, domain  kept by reference.
@@ -148,7 +148,7 @@ private:
       // The field is interpolated, the normal is not: put the nearest axis on it.
       const std::size_t direction = nearest_direction(at.axes, seed.normal);
       const Vector3 axis = lattice_direction(at.axes, direction);
-      at.frame = (Quaternion::FromTwoVectors(axis, seed.normal) * at.frame).normalized();
+      at.frame = (rotation_between(axis, seed.normal) * at.frame).normalized();
       at.axes = at.frame.toRotationMatrix();
       outward = static_cast<std::uint8_t>(direction);
     }
@@ -227,11 +227,11 @@ private:
 };
 
 /// The paper's order: smoothest first.
-template <FrameSource Frames, detail::SizeCallable Size, Domain D, ProximityFilter Proximity = HashGrid>
+template <FrameSource Frames, SizeField Size, Domain D, ProximityFilter Proximity = HashGrid>
 using SmoothnessOrderedInserter = VolumeInserter<SmoothnessOrder, Frames, Size, D, Proximity>;
 
 /// The earlier order: first in, first out.
-template <FrameSource Frames, detail::SizeCallable Size, Domain D, ProximityFilter Proximity = HashGrid>
+template <FrameSource Frames, SizeField Size, Domain D, ProximityFilter Proximity = HashGrid>
 using FifoInserter = VolumeInserter<FifoOrder, Frames, Size, D, Proximity>;
 
 /// Fills a domain with points that continue its boundary points along a frame field; see `VolumeInserter`.
@@ -243,7 +243,7 @@ using FifoInserter = VolumeInserter<FifoOrder, Frames, Size, D, Proximity>;
 /// @throws as `VolumeInserter`.
 /// @par Complexity   O(n) proposals, each of one or two frame samples and a search; about 220 bytes a point.
 template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, FrameSource Frames,
-          detail::SizeCallable Size, Domain D>
+          SizeField Size, Domain D>
 VolumeInsertion insert_volume_points(std::span<const BoundarySeed> seeds, const Frames& frames, const Size& size,
                                      const D& domain, const VolumeOptions& options = {}, Order order = Order{}) {
   return VolumeInserter<Order, Frames, Size, D, Proximity>(frames, size, domain, seeds, options, std::move(order))

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/boundary_slider.hpp"
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/geometry/bounding_box.hpp"
-#include "framehex/insertion/background.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
-#include "framehex/insertion/edge_restoration.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
-#include "framehex/insertion/tetrahedralizer.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
 #include "framehex/pipeline/recombine.hpp"
+#include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
+#include "framehex/tetrahedralization/background.hpp"
+#include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #include <optional>
 
@@ -38,7 +37,6 @@ struct MeshingOptions {
   SurfaceOptions surface = {};
   RetriangulationOptions retriangulation = {};
   VolumeOptions volume = {};
-  bool restore_lattice = false;                ///< see `restore_lattice`; docs/insertion.md measures it
   RecombineOptions recombination = {};         ///< its boundary projection, when empty, becomes one to the surface
   std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
   double max_background_points = 2e7;          ///< refuse an edge that asks for more
@@ -59,7 +57,6 @@ struct MeshingStatistics {
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
   std::size_t n_repair_vertices = 0;     ///< added where triangles of the wished size would leave the input, or cross
   std::size_t n_tets = 0;                ///< of the second mesh
-  EdgeRestoration lattice;               ///< edges and diagonals, with `restore_lattice`
 };
 
 /// A hex-dominant mesh of the inside of a surface, and how it came about.
@@ -74,7 +71,7 @@ struct MeshingResult {
 namespace detail {
 
 /// The job of `mesh_surface`, stage by stage; each method leaves what the next ones read.
-template <Tetrahedralizer T, SizeCallable Size, Executor E>
+template <Tetrahedralizer T, SizeField Size, Executor E>
 class SurfaceMesher {
 public:
   SurfaceMesher(const T& tetrahedralizer, const Size& size, MeshingOptions options, const E& executor)
@@ -213,7 +210,6 @@ private:
     };
     VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
     if (volume.status == Status::cancelled) return false;
-    links_ = std::move(volume.links);
     interior_.assign(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
     result_.statistics.n_volume_points = interior_.size();
     return true;
@@ -223,12 +219,6 @@ private:
     Tetrahedralization second = tetrahedralize(tetrahedralizer_, boundary_.surface, interior_, options_.observer);
     if (second.status != Status::complete) return false;
     tets_ = std::move(second.mesh);
-    if (options_.restore_lattice) {
-      // The boundary may have more vertices than samples; points inside come after all of them.
-      const std::size_t n_seeds = samples_.samples.size(), n_more = boundary_.surface.points.size() - n_seeds;
-      result_.statistics.lattice =
-          restore_lattice(tets_, links_, [&](index_t p) { return p < n_seeds ? p : static_cast<index_t>(p + n_more); });
-    }
     result_.statistics.n_tets = tets_.tets.size();
     return true;
   }
@@ -294,7 +284,6 @@ private:
   SurfaceInsertion samples_;
   Retriangulation boundary_;
   std::vector<Vector3> interior_;
-  LatticeLinks<6> links_;
   IndexedTetMesh tets_;
 };
 
@@ -310,7 +299,7 @@ private:
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 /// @par Source       The paper, section 1, and the stages' own.
-template <Tetrahedralizer T, detail::SizeCallable Size, Executor E = SerialExecutor>
+template <Tetrahedralizer T, SizeField Size, Executor E = SerialExecutor>
 MeshingResult mesh_surface(const IndexedTriangleMesh& surface, const Size& size, const T& tetrahedralizer,
                            const MeshingOptions& options = {}, const E& executor = {}) {
   return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor).run(surface);

@@ -3,7 +3,7 @@
 
 #include "framehex/assembly/assemble.hpp"
 #include "framehex/mesh/validation.hpp"
-#include "framehex/pipeline/stopwatch.hpp"
+#include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/candidate_weights.hpp"
 #include "framehex/selection/conflict_search.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/indexed_heap.hpp"
+#include "framehex/selection/detail/indexed_heap.hpp"
 #include "framehex/selection/selection.hpp"
 
 namespace framehex {

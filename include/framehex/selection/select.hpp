@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/contender_search.hpp"
-#include "framehex/selection/relaxation_search.hpp"
+#include "framehex/selection/detail/contender_search.hpp"
+#include "framehex/selection/detail/relaxation_search.hpp"
 
 namespace framehex {
 

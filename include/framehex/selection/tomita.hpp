@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/bitset_search.hpp"
+#include "framehex/selection/detail/bitset_search.hpp"
+#include "framehex/selection/detail/reductions.hpp"
+#include "framehex/selection/detail/subgraph.hpp"
 #include "framehex/selection/greedy.hpp"
-#include "framehex/selection/reductions.hpp"
-#include "framehex/selection/subgraph.hpp"
 
 namespace framehex {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/boundary_faces.hpp"
+#include "framehex/mesh/mixed_faces.hpp"
 
 #include <map>
 #include <set>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/boundary_faces.hpp"
 #include "framehex/assembly/detail/cell_complex.hpp"
 #include "framehex/assembly/options.hpp"
+#include "framehex/mesh/mixed_faces.hpp"
 
 namespace framehex::detail {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/canonical_order.hpp"
-#include "framehex/selection/deadline.hpp"
+#include "framehex/selection/detail/canonical_order.hpp"
+#include "framehex/selection/detail/deadline.hpp"
+#include "framehex/selection/detail/iterated_search.hpp"
+#include "framehex/selection/detail/subgraph.hpp"
 #include "framehex/selection/greedy.hpp"
-#include "framehex/selection/iterated_search.hpp"
-#include "framehex/selection/subgraph.hpp"
 
 namespace framehex::detail {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/insertion/curve_inserter.hpp"
-#include "framehex/insertion/surface_walker.hpp"
+#include "framehex/surface/surface_walker.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/canonical_order.hpp"
+#include "framehex/selection/detail/canonical_order.hpp"
 #include "framehex/selection/selection.hpp"
 
 #include <bit>

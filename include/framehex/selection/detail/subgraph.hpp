@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/clique_cover.hpp"
+#include "framehex/selection/detail/clique_cover.hpp"
 
 namespace framehex::detail {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/bitset_search.hpp"
-#include "framehex/selection/local_search.hpp"
+#include "framehex/selection/detail/bitset_search.hpp"
+#include "framehex/selection/detail/local_search.hpp"
 
 #include <boost/random/uniform_int_distribution.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/options.hpp"
+#include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/surface/feature_graph.hpp"
 #include "framehex/surface/surface_locator.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/bitset_search.hpp"
-#include "framehex/selection/lp_bound.hpp"
+#include "framehex/selection/detail/bitset_search.hpp"
+#include "framehex/selection/detail/lp_bound.hpp"
 
 #include <set>
 

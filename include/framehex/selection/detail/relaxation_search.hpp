@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/clique_separation.hpp"
-#include "framehex/selection/deadline.hpp"
-#include "framehex/selection/iterated_search.hpp"
-#include "framehex/selection/price_search.hpp"
-#include "framehex/selection/subgraph.hpp"
+#include "framehex/selection/detail/clique_separation.hpp"
+#include "framehex/selection/detail/deadline.hpp"
+#include "framehex/selection/detail/iterated_search.hpp"
+#include "framehex/selection/detail/price_search.hpp"
+#include "framehex/selection/detail/subgraph.hpp"
 
 namespace framehex::detail {
 

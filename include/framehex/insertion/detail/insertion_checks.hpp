@@ -8,27 +8,8 @@
 #include <span>
 #include <sstream>
 #include <string>
-#include <type_traits>
 
 namespace framehex::detail {
-
-/// A callable that gives the wished distance between neighbours at a point.
-template <class S>
-concept SizeCallable = std::is_invocable_r_v<double, const S&, const Vector3&>;
-
-/// Size at a point, refused when nothing can be built on it.
-///
-/// @throws invalid_field  when the size is not a positive finite number.
-template <SizeCallable S>
-double checked_size(const S& size, const Vector3& p) {
-  const double h = size(p);
-  // A size below the resolution of the coordinates would never move a point.
-  if (std::isfinite(h) && h > 0x1p-40 * p.cwiseAbs().maxCoeff() && h > 0) return h;
-  std::ostringstream message;
-  message << "the size field is " << h << " at (" << p.x() << ", " << p.y() << ", " << p.z()
-          << "); it must be positive, finite and within the precision of the coordinates";
-  throw invalid_field(message.str());
-}
 
 /// The same values, refused when they are not one for each of `n` entities.
 template <class T>

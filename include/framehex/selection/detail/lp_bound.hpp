@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/executor.hpp"
-#include "framehex/selection/clique_cover.hpp"
+#include "framehex/selection/detail/clique_cover.hpp"
 
 #include <cmath>
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/cross_sampler.hpp"
-#include "framehex/insertion/curve_sites.hpp"
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/geometry/size_field.hpp"
+#include "framehex/insertion/detail/curve_sites.hpp"
+#include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/lattice_links.hpp"
 #include "framehex/insertion/proximity.hpp"
 #include "framehex/insertion/surface_insertion.hpp"
-#include "framehex/insertion/surface_walker.hpp"
+#include "framehex/surface/cross_sampler.hpp"
+#include "framehex/surface/surface_walker.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +21,7 @@ namespace framehex::detail {
 
 /// The samples of a surface while they come and move, with their lattice links, and the rules about where one may
 /// stand.
-template <SizeCallable Size, ProximityFilter Proximity>
+template <SizeField Size, ProximityFilter Proximity>
 class SurfaceLattice {
 public:
   /// A point of a triangle with the cross and the size there.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/volume_lattice.hpp"
+#include "framehex/insertion/detail/volume_lattice.hpp"
 
 #include <cstdint>
 #include <vector>

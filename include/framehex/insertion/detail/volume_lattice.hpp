@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/insertion_checks.hpp"
+#include "framehex/geometry/size_field.hpp"
+#include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/proximity.hpp"
 #include "framehex/insertion/volume_insertion.hpp"
 
@@ -17,7 +18,7 @@
 namespace framehex::detail {
 
 /// The points of a volume while they come and move, with their lattice links, and the rules about where one may stand.
-template <FrameSource Frames, SizeCallable Size, Domain D, ProximityFilter Proximity>
+template <FrameSource Frames, SizeField Size, Domain D, ProximityFilter Proximity>
 class VolumeLattice {
 public:
   /// What is asked for of neighbours, on one line of the cache.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/surface_walker.hpp"
+#include "framehex/geometry/rotation.hpp"
+#include "framehex/surface/surface_walker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +67,7 @@ private:
 
   /// Angle from the cross of triangle t to that of s, in (-pi/4, pi/4].
   double difference(index_t t, index_t s) const {
-    const Quaternion fold = Quaternion::FromTwoVectors(walker_.normal(s), walker_.normal(t));
+    const Quaternion fold = rotation_between(walker_.normal(s), walker_.normal(t));
     const Vector3 x = fold * Vector3(axes_[s].col(0));
     const double angle = std::atan2(x.dot(axes_[t].col(1)), x.dot(axes_[t].col(0)));
     constexpr double quarter = std::numbers::pi / 2;

@@ -20,7 +20,7 @@ void start_nearest(std::span<const Vector3> points, std::span<const FrameConstra
                    const IndexedTriangleMesh& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                    std::span<Quaternion> frames, const E& executor = {}) {
   if (surface.triangles.empty()) return;
-  detail::for_blocks(executor, points.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
+  for_blocks(executor, points.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
     for (std::size_t v = first; v < last; ++v) {
       if (constraints[v] != FrameConstraint::none) continue;
       const SurfacePoint at = locator.nearest(points[v]);

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/field/laplace_solver.hpp"
+#include "framehex/field/detail/laplace_solver.hpp"
 #include "framehex/field/tet_locator.hpp"
+#include "framehex/geometry/size_field.hpp"
 
-#include <concepts>
 #include <memory>
 #include <queue>
 
 namespace framehex {
-
-/// A size field: the edge length wanted at a point, in the host's unit. Any callable will do.
-template <class S>
-concept SizeField = requires(const S& size, const Vector3& p) {
-  { size(p) } -> std::convertible_to<double>;
-};
-
-/// The same length everywhere.
-struct ConstantSize {
-  double length = 1;
-  double operator()(const Vector3&) const { return length; }
-};
 
 /// Lowers sizes until none exceeds a neighbour's by more than `growth` times their distance.
 ///

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/surface_lattice.hpp"
+#include "framehex/insertion/detail/surface_lattice.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/config.hpp"
-#include "framehex/selection/deadline.hpp"
+#include "framehex/selection/detail/deadline.hpp"
 
 #include <algorithm>
 #include <bit>
