@@ -7,6 +7,12 @@
 #include <cstdint>
 #include <limits>
 
+// NaN and infinity must be seen where input is checked, and the bounds of the exact predicates' filters hold for the
+// arithmetic as written. Fused multiply-adds do no harm to either.
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__ASSOCIATIVE_MATH__)
+#error "framehex cannot be compiled with -ffast-math, -ffinite-math-only or -fassociative-math"
+#endif
+
 namespace framehex {
 
 /// Dense 0-based number of a vertex, a cell, a candidate.

@@ -19,7 +19,8 @@ set_tests_properties("compile: each header alone" PROPERTIES TIMEOUT 1800 RESOUR
 add_test(NAME "compile: headers keep the rules" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_headers.py
                                                         ${PROJECT_SOURCE_DIR})
 
-# Each file of fail/ lacks one requirement of a concept; the compiler must refuse it and name what is missing.
+# Each file of fail/ lacks one requirement of a concept, or asks for flags that are not allowed; the compiler must
+# refuse it and name what is wrong.
 set(include_flags -I${PROJECT_SOURCE_DIR}/include)
 foreach(dependency IN ITEMS Eigen3::Eigen Boost::headers)
   get_target_property(directories ${dependency} INTERFACE_INCLUDE_DIRECTORIES)
@@ -34,8 +35,10 @@ foreach(source IN LISTS fail_sources)
   cmake_path(GET source STEM name)
   file(STRINGS ${source} expected REGEX "^// error: ")
   string(REPLACE "// error: " "" expected "${expected}")
-  add_test(NAME "compile: refused ${name}" COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only ${include_flags}
-                                                   ${source})
+  file(STRINGS ${source} flags REGEX "^// flags: ")
+  string(REPLACE "// flags: " "" flags "${flags}")
+  add_test(NAME "compile: refused ${name}" COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only ${flags}
+                                                   ${include_flags} ${source})
   set_tests_properties("compile: refused ${name}" PROPERTIES ENVIRONMENT LC_ALL=C PASS_REGULAR_EXPRESSION
                                                                                                 "${expected}")
 endforeach()

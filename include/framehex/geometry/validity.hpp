@@ -49,29 +49,8 @@ Sign sign_of_minimum(const JacobianBezier<Number>& coefficients, const Number& e
 template <std::size_t N>
 std::array<Triple<double>, N> triples(std::span<const Vector3> corners) {
   std::array<Triple<double>, N> p;
-  for (std::size_t i = 0; i < N; ++i) p[i] = {corners[i].x(), corners[i].y(), corners[i].z()};
+  for (std::size_t i = 0; i < N; ++i) p[i] = triple(corners[i]);
   return p;
-}
-
-/// Coordinates as integers, all times one power of two.
-template <std::size_t N>
-std::array<Triple<boost::multiprecision::cpp_int>, N> integer_triples(std::span<const Vector3> corners) {
-  using Integer = boost::multiprecision::cpp_int;
-  int lowest = 2000;
-  for (std::size_t i = 0; i < N; ++i)
-    for (const double x : corners[i])
-      if (x != 0) lowest = std::min(lowest, std::ilogb(x) - 52);
-  const auto integer = [lowest](double x) -> Integer {
-    if (x == 0) return 0;
-    const int exponent = std::ilogb(x) - 52;
-    // In two steps, because the scale of a denormal number is itself out of range.
-    const double mantissa = std::ldexp(std::ldexp(x, -exponent / 2), -(exponent - exponent / 2));
-    return Integer(static_cast<long long>(mantissa)) << (exponent - lowest);
-  };
-  std::array<Triple<Integer>, N> q;
-  for (std::size_t i = 0; i < N; ++i)
-    q[i] = {integer(corners[i].x()), integer(corners[i].y()), integer(corners[i].z())};
-  return q;
 }
 
 /// Largest component of the edges in one direction.
@@ -88,9 +67,10 @@ inline bool has_positive_corners(CellKind kind, std::span<const Vector3> corners
       corners_of(kind), [&](const LocalCorner& c) { return orientation(at(c.corner), at(c.x), at(c.y), at(c.z)) > 0; });
 }
 
-/// Products of magnitudes for which neither the filters' arithmetic nor their halvings leave the range of a double.
-inline bool in_filter_range(double product) {
-  return product > 1e-250 && product < 1e250;
+/// Magnitudes in the three directions for which neither the filters' arithmetic nor their halvings leave the range of
+/// a double, and what underflows is far below their error bounds.
+inline bool in_filter_range(double u, double v, double w) {
+  return std::min({u, v, w}) > 1e-70 && std::max({u, v, w}) < 1e70;
 }
 
 /// Bound on the rounding of `jacobian_bezier`. With u = 2^-53 and `product` that of the largest components in the three
@@ -101,19 +81,24 @@ inline double hexahedron_error(double product) {
 }
 
 inline bool is_valid_hexahedron(std::span<const Vector3> corners) {
-  using Integer = boost::multiprecision::cpp_int;
-  const HexahedronEdges<double> edges(triples<8>(corners));
-  const JacobianBezier<double> b = jacobian_bezier(edges);
-  const double product = magnitude(edges.u) * magnitude(edges.v) * magnitude(edges.w);
-  const double error = hexahedron_error(product);
-  if (in_filter_range(product)) {
+  const auto p = triples<8>(corners);
+  const HexahedronEdges<double> edges(p);
+  const double u = magnitude(edges.u), v = magnitude(edges.v), w = magnitude(edges.w);
+  if (in_filter_range(u, v, w)) {
+    const JacobianBezier<double> b = jacobian_bezier(edges);
+    const double error = hexahedron_error(u * v * w);
     if (*std::min_element(b.begin(), b.end()) > error) return true;
     const Sign sign = sign_of_minimum(b, 5 * error, 16, 1000);
     if (sign != Sign::undecided) return sign == Sign::positive;
   }
   if (!has_positive_corners(CellKind::hexahedron, corners)) return false;
-  const auto exact = jacobian_bezier(HexahedronEdges<Integer>(integer_triples<8>(corners)));
-  return sign_of_minimum(exact, Integer(0), 40, 2000) == Sign::positive;
+  constexpr int max_depth = 40;
+  const BinaryPlaces places = binary_places(p);
+  // 64 times six products of three differences, 64 times that for each halving, sums of up to eight, and a sign.
+  return with_wide_integers(3 * (places.width() + 1) + 3 + 6 + 6 * max_depth + 3 + 1, [&]<std::size_t Limbs>() {
+    const auto exact = jacobian_bezier(HexahedronEdges<WideInteger<Limbs>>(scaled<Limbs>(places, p)));
+    return sign_of_minimum(exact, WideInteger<Limbs>(0), max_depth, 2000) == Sign::positive;
+  });
 }
 
 /// Coefficients of the Jacobian along a prism's three edges between its triangles: first, twice the middle, last.
@@ -131,17 +116,21 @@ std::array<std::array<Number, 3>, 3> jacobian_bezier(const std::array<Triple<Num
 }
 
 inline bool is_valid_prism(std::span<const Vector3> corners) {
-  using Integer = boost::multiprecision::cpp_int;
   const auto p = triples<6>(corners);
   const double in_plane = magnitude(std::array{p[1] - p[0], p[2] - p[0], p[4] - p[3], p[5] - p[3]});
-  const double product = in_plane * in_plane * magnitude(std::array{p[3] - p[0], p[4] - p[1], p[5] - p[2]});
-  const double error = 128 * 0x1p-53 * product;
+  const double along = magnitude(std::array{p[3] - p[0], p[4] - p[1], p[5] - p[2]});
+  const double error = 128 * 0x1p-53 * in_plane * in_plane * along;
   const auto is_clear = [error](const auto& b) { return b[0] > error && b[1] > error && b[2] > error; };
-  if (in_filter_range(product) && std::ranges::all_of(jacobian_bezier(p), is_clear)) return true;
-  return has_positive_corners(CellKind::prism, corners) &&
-         std::ranges::all_of(jacobian_bezier(integer_triples<6>(corners)), [](const std::array<Integer, 3>& b) {
-           return b[1] >= 0 || b[1] * b[1] < 4 * b[0] * b[2];
-         });
+  if (in_filter_range(in_plane, in_plane, along) && std::ranges::all_of(jacobian_bezier(p), is_clear)) return true;
+  if (!has_positive_corners(CellKind::prism, corners)) return false;
+  const BinaryPlaces places = binary_places(p);
+  // A product of two values of 12 products of three differences each, and a sign.
+  return with_wide_integers(2 * (3 * (places.width() + 1) + 4) + 2, [&]<std::size_t Limbs>() {
+    const auto exact = jacobian_bezier(scaled<Limbs>(places, p));
+    return std::ranges::all_of(exact, [](const std::array<WideInteger<Limbs>, 3>& b) {
+      return !b[1].is_negative() || b[1] * b[1] < 4 * (b[0] * b[2]);
+    });
+  });
 }
 
 }  // namespace detail
@@ -158,7 +147,7 @@ inline bool is_valid_prism(std::span<const Vector3> corners) {
 /// @pre finite coordinates.
 /// @return true only if positive everywhere. The subdivision has to end: of a hexahedron whose Jacobian is positive but
 ///         comes nearer to 0 than some 1e-24 of its scale, elsewhere than at a corner, the answer is false.
-/// @par Complexity   O(1); integers are some thousand times slower, and met on nearly degenerate cells only.
+/// @par Complexity   O(1); integers are some hundred times slower, and met on nearly degenerate cells only.
 /// @par Source       Johnen, Weill, Remacle, Robust and efficient validation of the linear hexahedral element, 2017
 ///                   (arXiv:1706.01613). Departs: an error bound instead of a tolerance, and an exact second stage.
 inline bool is_valid(CellKind kind, std::span<const Vector3> corners) {

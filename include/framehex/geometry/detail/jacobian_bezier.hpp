@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/detail/triple.hpp"
+
 #include <array>
 #include <cstddef>
 
 /// Bezier coefficients of the Jacobian of a trilinear hexahedron, over any ring of numbers.
 namespace framehex::detail {
 
-/// Three numbers of any kind, for arithmetic that Eigen is not needed for.
-template <class Number>
-struct Triple {
-  Number x, y, z;
-
-  friend Triple operator+(const Triple& a, const Triple& b) {
-    return {Number(a.x + b.x), Number(a.y + b.y), Number(a.z + b.z)};
-  }
-  friend Triple operator-(const Triple& a, const Triple& b) {
-    return {Number(a.x - b.x), Number(a.y - b.y), Number(a.z - b.z)};
-  }
-};
-
-template <class Number>
-Triple<Number> cross(const Triple<Number>& a, const Triple<Number>& b) {
-  return {Number(a.y * b.z - a.z * b.y), Number(a.z * b.x - a.x * b.z), Number(a.x * b.y - a.y * b.x)};
-}
-
-template <class Number>
-Number dot(const Triple<Number>& a, const Triple<Number>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+inline double quarter(double x) {
+  return x / 4;
 }
 
 /// Coefficient (i, j, k) of degree 2 in each direction is entry i + 3 j + 9 k.
@@ -72,7 +55,7 @@ JacobianBezier<Number> jacobian_bezier(const HexahedronEdges<Number>& edges) {
     }
   // Faces, then the centre from the four faces parallel to w and the four edges along w.
   const auto centre = [](const Number& edge_sum, const Number& corner_sum) -> Number {
-    return Number(Number(2 * edge_sum) - corner_sum) / 4;
+    return quarter(2 * edge_sum - corner_sum);
   };
   for (std::size_t q = 0; q < 3; q += 2) {
     at(q, 1, 1) = centre(at(q, 0, 1) + at(q, 2, 1) + at(q, 1, 0) + at(q, 1, 2),

@@ -47,8 +47,9 @@ inline bool evaluate<CellKind::hexahedron>(std::span<const Vector3> corners, dou
   }
   values.volume = sum / (8 * 27);
   // No component of an edge is larger than its length.
-  const double product = std::sqrt(std::ranges::max(u) * std::ranges::max(v) * std::ranges::max(w));
-  return (in_filter_range(product) && lowest > hexahedron_error(product)) || is_valid_hexahedron(corners);
+  const double x = std::sqrt(std::ranges::max(u)), y = std::sqrt(std::ranges::max(v)),
+               z = std::sqrt(std::ranges::max(w));
+  return (in_filter_range(x, y, z) && lowest > hexahedron_error(x * y * z)) || is_valid_hexahedron(corners);
 }
 
 }  // namespace framehex::detail
