@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Installs from Debian's packages what the project is built and tested with, and nothing where all is there.
+# setup.sh [PACKAGE...]: those packages too.
 set -euo pipefail
 
 packages=(
@@ -10,11 +11,10 @@ packages=(
   tetgen                                            # the tetrahedraliser, run as a separate program
   catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
-  locales                                           # a decimal comma for the tests
 )
 
 missing=()
-for package in "${packages[@]}"; do
+for package in "${packages[@]}" "$@"; do
   state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$state" = installed ] || missing+=("$package")
 done

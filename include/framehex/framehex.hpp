@@ -15,6 +15,7 @@
 #include "framehex/geometry/quality.hpp"
 #include "framehex/geometry/rotation.hpp"
 #include "framehex/geometry/size_field.hpp"
+#include "framehex/geometry/symmetric_matrix.hpp"
 #include "framehex/geometry/triangle_distance.hpp"
 #include "framehex/geometry/validity.hpp"
 #include "framehex/mesh/adjacency.hpp"

@@ -2,9 +2,7 @@
 #pragma once
 
 #include "framehex/field/cube_rotation_group.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "framehex/geometry/symmetric_matrix.hpp"
 
 #include <cmath>
 
@@ -135,14 +133,13 @@ inline Quaternion nearest_frame(const Quartic& q, const Quaternion& start) {
       curvature -= cross.transpose() * form.hessian(f) * cross + 0.5 * (g * f.transpose() + f * g.transpose());
       curvature += g.dot(f) * Eigen::Matrix3d::Identity();
     }
-    Eigen::LLT<Eigen::Matrix3d> factor(curvature);
-    if (factor.info() != Eigen::Success) {
+    std::optional<Vector3> newton = solve_positive(curvature, slope);
+    if (!newton) {
       // Away from a maximum: shift the least eigenvalue until the step goes uphill.
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-      eigen.computeDirect(curvature, Eigen::EigenvaluesOnly);
-      factor.compute(curvature + (0.3 - eigen.eigenvalues()[0]) * Eigen::Matrix3d::Identity());
+      curvature.diagonal().array() += 0.3 - least_eigenvalue(curvature);
+      newton = solve_positive(curvature, slope);
     }
-    Vector3 step = factor.solve(slope);
+    Vector3 step = *newton;
     const double length = step.norm();
     if (length < 1e-9) break;
     if (length > 0.4) step *= 0.4 / length;

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""What a translation unit that uses framehex costs to compile: compile_time.py [--compiler g++] [--flags=-O0] [--runs 1]
+
+Prints a Markdown table of CPU seconds (user) and peak memory for headers that are included only, and for stages that are
+used; the least of the runs. The last row is Eigen alone, by which tables of other machines can be compared.
+"""
+import argparse
+import os
+import pathlib
+import resource
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+UNITS = [
+    ("`framehex.hpp` included", '#include "framehex/framehex.hpp"\n'),
+    ("field header included", '#include "framehex/field/compute_frame_field.hpp"\n'),
+    ("finder used", '#include "framehex/mesh/indexed_mesh.hpp"\n'
+                    '#include "framehex/recombination/potential_hex_finder.hpp"\n'
+                    "auto f(const framehex::IndexedTetMesh& m) { return framehex::find_potential_hexahedra(m); }\n"),
+    ("selection used", '#include "framehex/selection/select.hpp"\n'
+                       "auto f(const framehex::IncompatibilityGraph& g) { return framehex::select(g); }\n"),
+    ("field used", '#include "framehex/field/compute_frame_field.hpp"\n'
+                   '#include "framehex/mesh/indexed_mesh.hpp"\n'
+                   "auto f(const framehex::IndexedTetMesh& m) { return framehex::compute_frame_field(m); }\n"),
+    ("`own_mesh` (field and recombination of a host's mesh)", ROOT / "examples" / "own_mesh" / "own_mesh.cpp"),
+    ("`mesh_surface` used", '#include "framehex/adapters/tetgen_process.hpp"\n'
+                            '#include "framehex/pipeline/mesh_surface.hpp"\n'
+                            "auto f(const framehex::IndexedTriangleMesh& m) {\n"
+                            "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n"),
+    ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n"),
+]
+
+
+def compile_once(command):
+    """CPU seconds and peak megabytes of one compiler run."""
+    process = subprocess.Popen(command)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        raise SystemExit(f"compile_time.py: failed: {' '.join(map(str, command))}")
+    return usage.ru_utime, usage.ru_maxrss / 1024
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--compiler", default="g++")
+    parser.add_argument("--flags", default="-O0")
+    parser.add_argument("--runs", type=int, default=1)
+    options = parser.parse_args()
+    eigen = next(p for p in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.isdir(p))
+    print(f"| {options.compiler} {options.flags} | CPU s | peak MB |\n| --- | ---: | ---: |")
+    with tempfile.TemporaryDirectory() as folder:
+        for name, unit in UNITS:
+            source = unit
+            if isinstance(unit, str):
+                source = pathlib.Path(folder) / "unit.cpp"
+                source.write_text(unit)
+            command = [options.compiler, "-std=c++20", *options.flags.split(), f"-I{ROOT / 'include'}", "-isystem", eigen,
+                       "-c", str(source), "-o", os.path.join(folder, "unit.o")]
+            runs = [compile_once(command) for _ in range(options.runs)]
+            print(f"| {name} | {min(r[0] for r in runs):.1f} | {max(r[1] for r in runs):.0f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# What is checked on every change besides the tests: formatting, the other compiler, sanitizers.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+scripts/setup.sh clang-16 clang-format
+echo "formatting"
+git ls-files '*.hpp' '*.cpp' ':!tests/compile/fail' | xargs clang-format --dry-run -Werror
+
+# Without the examples, the slow cases and the whole models: those are the business of scripts/test.sh.
+run() { # PRESET TEST CASES...
+  cmake --preset "$1" -DFRAMEHEX_BUILD_EXAMPLES=OFF >/dev/null
+  cmake --build --preset "$1" --target "$2" >/dev/null
+  echo "$1: $2" "${@:3}"
+  "build/$1/bin/$2" "${@:3}"
+}
+for test in test_geometry test_mesh test_verify; do
+  run clang-release "$test"
+  run gcc-debug "$test"
+done
+# The threaded stages: what is said to be the same for any number of threads is computed with several.
+run gcc-threads test_recombination '*thread*,*executor*'
+run gcc-threads test_selection '*thread*,*executor*'
