@@ -11,6 +11,7 @@ packages=(
   tetgen                                            # the tetrahedraliser, run as a separate program
   catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
+  locales                                           # a decimal comma for the tests
 )
 
 missing=()

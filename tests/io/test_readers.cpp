@@ -6,6 +6,10 @@
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
 #include <random>
 
 using namespace framehex;
@@ -98,6 +102,77 @@ TEST_CASE("tetrahedra are taken out of a mesh of tetrahedra only") {
   for (const auto& tet : lattice.tets) mesh.add(CellKind::tetrahedron, tet);
   CHECK(tetrahedra_of(mesh).tets == lattice.tets);
   CHECK_THROWS_WITH(tetrahedra_of(test::four_cells()), Contains("cell 0 is not a tetrahedron"));
+}
+
+TEST_CASE("what VTK adds to a legacy file is passed over: metadata of arrays and fields of data") {
+  const test::TemporaryFolder folder;
+  const std::string head = "# vtk DataFile Version 5.1\nvtk output\n", grid = "DATASET UNSTRUCTURED_GRID\n";
+  const std::string metadata =
+      "METADATA\nINFORMATION 2\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n"
+      "NAME L2_NORM_FINITE_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n";
+  const auto check = [&](const std::string& text) {
+    INFO(text);
+    const MixedMesh mesh = read_mesh(folder.write("a.vtk", text));
+    REQUIRE(mesh.n_cells() == 1);
+    CHECK(mesh.cells[0][3] == 3);
+    CHECK(mesh.points[3] == Vector3(0, 0, 1));
+  };
+  SECTION("text") {
+    const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0\n0 0 1\n",
+                      offsets = "CELLS 2 4\nOFFSETS vtktypeint64\n0 4\n", rest = "CONNECTIVITY vtktypeint64\n0 1 2 3\n",
+                      types = "CELL_TYPES 1\n10\n";
+    const std::string field = "FIELD FieldData 3\nTimeValue 1 1 double\n0.5\n" + metadata +
+                              "Names 1 2 string\nPOINTS 4 double\nCELLS\nPairs 2 3 int\n1 2 3 4 5 6\n";
+    check(head + "ASCII\n" + grid + points + metadata + offsets + metadata + rest + metadata + types);
+    check(head + "ASCII\n" + grid + field + points + metadata + offsets + rest + types);
+    check(head + "ASCII\r\n" + grid + points + "METADATA\r\nINFORMATION 0\r\n\r\n" + offsets + rest + types);
+    CHECK_THROWS_AS(check(head + "ASCII\n" + grid + "FIELD F 1\na 1000000 1000000000000000 int\n"), io_error);
+    CHECK_THROWS_AS(check(head + "ASCII\n" + grid + "FIELD F 1\na 1 1 complex\n1\n" + metadata), io_error);
+  }
+  SECTION("binary") {
+    std::string bytes;
+    const auto put = [&bytes](auto value) {
+      std::string one(sizeof value, '\0');
+      std::memcpy(one.data(), &value, sizeof value);
+      if (std::endian::native == std::endian::little) std::reverse(one.begin(), one.end());
+      bytes += one;
+    };
+    bytes = head + "BINARY\n" + grid + "FIELD FieldData 3\nTimeValue 1 1 double\n";
+    put(0.5);
+    // A string of 5 bytes: its length in the last six bits of one byte, the first two of which are set.
+    bytes +=
+        "\nNames 1 1 string\n\xc5"
+        "CELLS\nbits 1 9 bit\nab\nPOINTS 4 float\n";
+    for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f}) put(x);
+    bytes += "\n" + metadata + "CELLS 2 4\nOFFSETS vtktypeint64\n";
+    for (const std::int64_t offset : {0, 4}) put(offset);
+    bytes += "\n" + metadata + "CONNECTIVITY vtktypeint64\n";
+    for (const std::int64_t v : {0, 1, 2, 3}) put(v);
+    bytes += "\nCELL_TYPES 1\n";
+    put(std::int32_t{10});
+    check(bytes);
+  }
+}
+
+TEST_CASE("numbers at the ends of their ranges are read as what is nearest, or refused") {
+  const test::TemporaryFolder folder;
+  const auto x_of = [&](const std::string& number) {
+    const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0 " + number + " 0 1\n";
+    return read_mesh(folder.write("a.vtk", tets_vtk(points, "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"))).points[3].x();
+  };
+  const std::string zeros(400, '0');
+  for (const std::string& tiny :
+       {std::string("1e-400"), std::string("1E-400"), std::string("-12.5E-999999999999999999999"), "0." + zeros + "1",
+        "." + zeros + "1e10", "1" + zeros + "e-900"})
+    CHECK(x_of(tiny) == 0);
+  for (const std::string& huge : {std::string("1e400"), std::string("1E400"), std::string("1e999999999999999999999"),
+                                  "1" + zeros, "1" + zeros + "e-10", std::string("1e-400x"), std::string("1e-")})
+    CHECK_THROWS_AS(x_of(huge), io_error);
+  // The least integer, from which one cannot be taken.
+  CHECK_THROWS_AS(read_mesh(folder.write("a.mesh",
+                                         "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 0 0 0\n"
+                                         "Tetrahedra\n1\n-9223372036854775808 1 1 1 0\nEnd\n")),
+                  invalid_connectivity);
 }
 
 TEST_CASE("files that are not what they should be are refused by name and place") {

@@ -9,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <pugixml.hpp>
 
 using namespace framehex;
 using Catch::Matchers::Contains;
@@ -47,6 +48,19 @@ TEST_CASE("the same mesh gives the same bytes") {
     write_mesh(b, test::four_cells(), sample_data());
     CHECK(read_file(a) == read_file(b));
   }
+}
+
+TEST_CASE("arrays keep their names, whatever is in them") {
+  const test::TemporaryFolder folder;
+  const std::string name = "a < b && \"c\" > 'd'\tsigma\n\xcf\x83";
+  write_vtu(folder / "a.vtu", test::four_cells(), {.cells = {}, .points = {{name, std::vector<double>(12, 1.0)}}});
+  const std::string bytes = read_file(folder / "a.vtu");
+  const std::string xml = bytes.substr(0, bytes.find("<AppendedData")) + "</VTKFile>";
+  pugi::xml_document document;
+  REQUIRE(document.load_string(xml.c_str()));
+  const auto array =
+      document.child("VTKFile").child("UnstructuredGrid").child("Piece").child("PointData").first_child();
+  CHECK(array.attribute("Name").value() == name);
 }
 
 TEST_CASE("a mesh without cells, faces or labels can be written") {

@@ -2,9 +2,12 @@
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 #include "support/kuhn_lattice.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <clocale>
+#include <cstdlib>
 #include <random>
 
 using namespace framehex;
@@ -163,5 +166,41 @@ TEST_CASE("what tetgen drops or refuses is a typed error") {
     const Tetrahedralization result = tetrahedralize(TetgenProcess{}, cube.surface, cube.interior, stop);
     CHECK(result.status == Status::cancelled);
     CHECK(result.mesh.tets.empty());
+  }
+}
+
+TEST_CASE("tetgen is understood by a host whose decimal point is a comma") {
+  const test::TemporaryFolder folder;
+  // A locale of our own making, so that none has to be there.
+  const std::string command =
+      "localedef -c -i de_DE -f UTF-8 " + (folder / "de_DE.UTF-8").string() + " >/dev/null 2>&1";
+  REQUIRE(std::system(command.c_str()) == 0);
+  ::setenv("LOCPATH", folder.path().c_str(), 1);
+  const bool set = std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr;
+  Cube cube;
+  for (Vector3& p : cube.surface.points) p /= 7;
+  for (Vector3& p : cube.interior) p /= 7;
+  CHECK(std::to_string(0.5) == "0,500000");
+  CHECK_NOTHROW(tetrahedralize(TetgenProcess{}, cube.surface, cube.interior));
+  std::setlocale(LC_NUMERIC, "C");
+  ::unsetenv("LOCPATH");
+  CHECK(set);
+}
+
+TEST_CASE("points that come back in another order are refused, however small the mesh") {
+  const test::TemporaryFolder folder;
+  // TetGen, and then the first two points of its answer swapped.
+  const auto program =
+      folder.write("tetgen",
+                   "#!/bin/sh\ntetgen \"$@\" || exit\nnode=\"${2%.smesh}.1.node\"\n"
+                   "awk 'NR == 2 { $1 = 1; held = $0; next } NR == 3 { $1 = 0; print; print held; next } "
+                   "{ print }' \"$node\" >\"$node.new\" && mv \"$node.new\" \"$node\"\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  Cube cube;
+  for (const double scale : {1.0, 1e-13}) {
+    for (Vector3& p : cube.surface.points) p *= scale;
+    CHECK_NOTHROW(tetrahedralize(TetgenProcess{}, cube.surface, {}));
+    CHECK_THROWS_WITH(tetrahedralize(TetgenProcess{.program = program.string()}, cube.surface, {}),
+                      Catch::Contains("renumbered its input at point 0"));
   }
 }

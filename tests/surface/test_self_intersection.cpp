@@ -30,7 +30,85 @@ IndexedTriangleMesh together(const IndexedTriangleMesh& a, const IndexedTriangle
   return mesh;
 }
 
+using Integers = Eigen::Matrix<std::int64_t, 3, 1>;
+
+/// Separating axes, in integers: the normals of all that can be a facet of the difference of two triangles, in space or
+/// in one plane.
+bool meet_on_lattice(const std::array<Integers, 3>& s, const std::array<Integers, 3>& t) {
+  const auto separates = [&](const Integers& axis) {
+    const auto [low_s, high_s] = std::minmax({axis.dot(s[0]), axis.dot(s[1]), axis.dot(s[2])});
+    const auto [low_t, high_t] = std::minmax({axis.dot(t[0]), axis.dot(t[1]), axis.dot(t[2])});
+    return high_s < low_t || high_t < low_s;
+  };
+  const Integers m = (s[1] - s[0]).cross(s[2] - s[0]), n = (t[1] - t[0]).cross(t[2] - t[0]);
+  if (separates(m) || separates(n)) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Integers e = s[(i + 1) % 3] - s[i], f = t[(i + 1) % 3] - t[i];
+    if (separates(m.cross(e)) || separates(n.cross(f))) return false;
+    for (std::size_t j = 0; j < 3; ++j)
+      if (separates(e.cross(t[(j + 1) % 3] - t[j]))) return false;
+  }
+  return true;
+}
+
+std::size_t n_crossings(std::vector<Vector3> points, const std::array<index_t, 3>& s, const std::array<index_t, 3>& t) {
+  IndexedTriangleMesh mesh;
+  mesh.points = std::move(points);
+  mesh.triangles = {s, t};
+  return find_self_intersections(mesh).size();
+}
+
 }  // namespace
+
+TEST_CASE("triangles on a small lattice meet exactly when no axis separates them") {
+  std::mt19937_64 engine(5);
+  std::array<std::array<int, 2>, 2> met{};
+  for (int sample = 0; sample < 20000; ++sample) {
+    // Every second pair lies in an oblique plane.
+    const bool flat = sample % 2 == 1;
+    std::array<std::array<Integers, 3>, 2> t;
+    std::vector<Vector3> points;
+    for (auto& triangle : t)
+      for (Integers& p : triangle) {
+        for (std::int64_t& x : p) x = static_cast<std::int64_t>(engine() % 6);
+        if (flat) p[2] = p[0] + 2 * p[1];
+        points.push_back(p.cast<double>() / 64);
+      }
+    const auto is_null = [](const std::array<Integers, 3>& p) { return (p[1] - p[0]).cross(p[2] - p[0]).isZero(); };
+    if (is_null(t[0]) || is_null(t[1])) continue;
+    const bool expected = meet_on_lattice(t[0], t[1]);
+    ++met[flat][expected];
+    if ((n_crossings(points, {0, 1, 2}, {3, 4, 5}) == 1) != expected) FAIL_CHECK("pair " << sample);
+  }
+  for (const auto& kind : met)
+    for (const int n : kind) CHECK(n > 1000);
+}
+
+TEST_CASE("a triangle whose rounded normal is null is decided all the same") {
+  const double e = 0x1p-52;
+  const Vector3 a(0, 0, 0), b(1 + e, 1, 0), c(1, 1 - e, 0);
+  CHECK(n_crossings({a, b, c, {.4, .6, 0}, {.4, .7, 0}, {.3, .7, 0}}, {0, 1, 2}, {3, 4, 5}) == 0);
+  CHECK(n_crossings({a, b, c, {.4, .3, 0}, {.4, .7, 0}, {.3, .7, 0}}, {0, 1, 2}, {3, 4, 5}) == 1);
+  // Folded on it and beside it.
+  CHECK(n_crossings({a, b, c, {1, 0, 0}}, {0, 1, 2}, {1, 0, 3}) == 1);
+  CHECK(n_crossings({a, b, c, {0, 1, 0}}, {0, 1, 2}, {1, 0, 3}) == 0);
+}
+
+TEST_CASE("triangles of no area count by the segments that they are") {
+  const Vector3 a(0, 0, 0), b(2, 2, 2), middle(1, 1, 1);
+  // Through a proper triangle, past it, and touching its corner.
+  CHECK(n_crossings({a, middle, b, {2, 1, 0}, {0, 1, 2}, {1, 0, 1}}, {0, 1, 2}, {3, 4, 5}) == 1);
+  CHECK(n_crossings({a, middle, b, {4, 3, 2}, {2, 3, 4}, {3, 2, 2}}, {0, 1, 2}, {3, 4, 5}) == 0);
+  CHECK(n_crossings({a, middle, b, {2, 2, 2}, {3, 2, 2}, {2, 3, 2}}, {0, 1, 2}, {3, 4, 5}) == 1);
+  // Two segments on one line, and on two lines that cross.
+  CHECK(n_crossings({a, middle, b, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}}, {0, 1, 2}, {3, 4, 5}) == 0);
+  CHECK(n_crossings({a, middle, b, {2, 2, 2}, {4, 4, 4}, {5, 5, 5}}, {0, 1, 2}, {3, 4, 5}) == 1);
+  CHECK(n_crossings({a, middle, b, {1, 1, 0}, {1, 1, 1}, {1, 1, 2}}, {0, 1, 2}, {3, 4, 5}) == 1);
+  // A needle, as meshes have them: beside its neighbours it does not count, at a common corner or a common edge.
+  CHECK(n_crossings({a, middle, b, {1, 0, 0}, {1, 0, 1}}, {0, 1, 2}, {1, 3, 4}) == 0);
+  CHECK(n_crossings({a, middle, b, {1, 0, 0}}, {0, 1, 2}, {0, 2, 3}) == 0);
+  CHECK(n_crossings({a, middle, b, {1, 0, 0}}, {0, 1, 2}, {0, 1, 3}) == 0);
+}
 
 TEST_CASE("random triangles cross exactly when a linear solver says so") {
   std::mt19937_64 engine(3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/input_file.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #include <fcntl.h>
@@ -9,14 +10,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 extern char** environ;
 
@@ -54,29 +56,53 @@ private:
   std::filesystem::path path_;
 };
 
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
+/// A file of words and numbers, which look the same whatever locale the host has set.
+class TextFile {
+public:
+  explicit TextFile(const std::filesystem::path& path) : path_(path), file_(std::fopen(path.c_str(), "w")) {
+    if (!file_) throw io_error(path.string() + ": cannot be opened");
+  }
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+  ~TextFile() {
+    if (file_) std::fclose(file_);
+  }
+
+  /// A line of numbers; reals are the shortest decimals that read back as the same number.
+  template <class... Numbers>
+  void line(const Numbers&... numbers) {
+    char text[32 * sizeof...(numbers)];
+    char* end = text;
+    const auto put = [&](const auto number) {
+      end = std::to_chars(end, text + sizeof text, number).ptr;
+      *end++ = ' ';
+    };
+    (put(numbers), ...);
+    end[-1] = '\n';
+    std::fwrite(text, 1, static_cast<std::size_t>(end - text), file_);
+  }
+
+  /// A full disk shows here at the latest.
+  void finish() {
+    const bool failed = std::ferror(file_) != 0;
+    if (std::fclose(std::exchange(file_, nullptr)) != 0 || failed)
+      throw io_error(path_.string() + ": cannot be written (is the disk full?)");
+  }
+
+private:
+  std::filesystem::path path_;
+  std::FILE* file_;
 };
-using File = std::unique_ptr<std::FILE, FileCloser>;
 
-inline File open_file(const std::filesystem::path& path, const char* mode) {
-  File file(std::fopen(path.c_str(), mode));
-  if (!file) throw io_error(path.string() + ": cannot be opened");
-  return file;
-}
-
-/// Ends a written file; a full disk shows here at the latest.
-inline void finish(File file, const std::filesystem::path& path) {
-  const bool failed = std::fflush(file.get()) != 0 || std::ferror(file.get()) != 0;
-  if (failed) throw io_error(path.string() + ": cannot be written (is the disk full?)");
+inline void write_points(TextFile& file, std::span<const Vector3> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) file.line(i, points[i].x(), points[i].y(), points[i].z());
 }
 
 inline void write_nodes(const std::filesystem::path& path, std::span<const Vector3> points) {
-  File file = open_file(path, "w");
-  std::fprintf(file.get(), "%zu 3 0 0\n", points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    std::fprintf(file.get(), "%zu %.17g %.17g %.17g\n", i, points[i].x(), points[i].y(), points[i].z());
-  finish(std::move(file), path);
+  TextFile file(path);
+  file.line(points.size(), 3, 0, 0);
+  write_points(file, points);
+  file.finish();
 }
 
 /// A point in each cavity: TetGen fills what it is not told to leave empty. The shell of a cavity encloses a negative
@@ -111,15 +137,15 @@ inline std::vector<Vector3> points_in_cavities(std::span<const Vector3> points,
 
 inline void write_facets(const std::filesystem::path& path, std::span<const Vector3> points,
                          std::span<const std::array<index_t, 3>> triangles) {
-  File file = open_file(path, "w");
-  std::fprintf(file.get(), "0 3 0 0\n%zu 0\n", triangles.size());
-  for (const auto& t : triangles) std::fprintf(file.get(), "3 %u %u %u\n", t[0], t[1], t[2]);
+  TextFile file(path);
+  file.line(0, 3, 0, 0);
+  file.line(triangles.size(), 0);
+  for (const auto& t : triangles) file.line(3, t[0], t[1], t[2]);
   const std::vector<Vector3> holes = points_in_cavities(points, triangles);
-  std::fprintf(file.get(), "%zu\n", holes.size());
-  for (std::size_t i = 0; i < holes.size(); ++i)
-    std::fprintf(file.get(), "%zu %.17g %.17g %.17g\n", i, holes[i][0], holes[i][1], holes[i][2]);
-  std::fprintf(file.get(), "0\n");
-  finish(std::move(file), path);
+  file.line(holes.size());
+  write_points(file, holes);
+  file.line(0);
+  file.finish();
 }
 
 /// Runs a program, its output going to a file, until it ends or the observer says stop.
@@ -163,38 +189,44 @@ inline std::string read_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-inline File open_answer(const std::filesystem::path& path) {
-  File file(std::fopen(path.c_str(), "r"));
-  if (!file) throw tetrahedralization_error("tetgen wrote no result");
-  return file;
+/// Calls `read` with a cursor over a file that TetGen has written.
+template <class Read>
+auto read_answer(const std::filesystem::path& path, Read&& read) {
+  try {
+    const std::string bytes = read_file(path);
+    Cursor in(path.filename().string(), bytes, '#');
+    return read(in);
+  } catch (const io_error& failure) {
+    throw tetrahedralization_error("tetgen wrote no result that can be understood: " + std::string(failure.what()));
+  }
 }
 
 inline std::vector<Vector3> read_nodes(const std::filesystem::path& path) {
-  const File file = open_answer(path);
-  std::size_t n = 0;
-  int dimension = 0, attributes = 0, markers = 0;
-  if (std::fscanf(file.get(), "%zu %d %d %d", &n, &dimension, &attributes, &markers) != 4 || dimension != 3 ||
-      attributes != 0)
-    throw tetrahedralization_error("tetgen wrote a .node file that cannot be understood");
-  std::vector<Vector3> points(n);
-  for (Vector3& p : points)
-    if (std::fscanf(file.get(), "%*u %lf %lf %lf", &p[0], &p[1], &p[2]) != 3 ||
-        (markers && std::fscanf(file.get(), "%*d") != 0))
-      throw tetrahedralization_error("tetgen wrote a .node file that is cut short");
-  return points;
+  return read_answer(path, [](Cursor& in) {
+    std::vector<Vector3> points(in.count("the number of points", 8));
+    if (in.number<int>("the dimension") != 3) in.fail("not points in space");
+    const auto n_extra = in.number<unsigned>("the number of attributes") + in.number<unsigned>("the number of markers");
+    for (Vector3& p : points) {
+      in.number<std::size_t>("a point's number");
+      for (double& x : p) x = in.number<double>("a coordinate");
+      for (unsigned i = 0; i < n_extra; ++i) in.number<double>("an attribute");
+    }
+    return points;
+  });
 }
 
 inline std::vector<std::array<index_t, 4>> read_tets(const std::filesystem::path& path) {
-  const File file = open_answer(path);
-  std::size_t n = 0;
-  int corners = 0, attributes = 0;
-  if (std::fscanf(file.get(), "%zu %d %d", &n, &corners, &attributes) != 3 || corners != 4 || attributes != 0)
-    throw tetrahedralization_error("tetgen wrote a .ele file that cannot be understood");
-  std::vector<std::array<index_t, 4>> tets(n);
-  for (auto& t : tets)
-    if (std::fscanf(file.get(), "%*u %u %u %u %u", &t[0], &t[1], &t[2], &t[3]) != 4)
-      throw tetrahedralization_error("tetgen wrote a .ele file that is cut short");
-  return tets;
+  return read_answer(path, [](Cursor& in) {
+    std::vector<std::array<index_t, 4>> tets(in.count("the number of tetrahedra", 10));
+    if (in.number<int>("the number of corners") != 4) in.fail("not tetrahedra of four corners");
+    const auto n_extra = in.number<unsigned>("the number of attributes");
+    for (auto& t : tets) {
+      in.number<std::size_t>("a tetrahedron's number");
+      for (index_t& v : t) v = in.number<index_t>("a vertex");
+      for (unsigned i = 0; i < n_extra; ++i) in.number<double>("an attribute");
+    }
+    return tets;
+  });
 }
 
 }  // namespace detail
@@ -259,9 +291,12 @@ private:
     TetrahedralizationResult result;
     const std::vector<Vector3> points = detail::read_nodes(nodes);
     const std::size_t n = request.points.size();
-    // Written with 16 digits, so a point comes back with its last bit changed at most.
+    // Written with 16 digits or 17, so a coordinate comes back with its last bits changed at most.
+    const auto is_same = [](const Vector3& p, const Vector3& q) {
+      return ((p - q).array().abs() <= 1e-14 * q.array().abs()).all();
+    };
     for (std::size_t v = 0; v < n; ++v)
-      if (v >= points.size() || (points[v] - request.points[v]).norm() > 1e-12 * (1 + request.points[v].norm()))
+      if (v >= points.size() || !is_same(points[v], request.points[v]))
         throw tetrahedralization_error("tetgen renumbered its input at point " + std::to_string(v), Entity::vertex,
                                        {v});
     result.extra_points.assign(points.begin() + static_cast<std::ptrdiff_t>(n), points.end());

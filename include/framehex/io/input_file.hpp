@@ -96,8 +96,8 @@ public:
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || end != text.data() + text.size() || error != std::errc{}) {
       // Underflow is a number all the same: zero is nearest.
-      if (std::is_floating_point_v<Number> && error == std::errc::result_out_of_range && !text.empty() &&
-          text.find("e-") != text.npos)
+      if (std::is_floating_point_v<Number> && error == std::errc::result_out_of_range &&
+          end == text.data() + text.size() && is_below_one(text))
         return Number{};
       at_ = before;
       fail(text.empty() ? std::string("the file ends where ") + what + " should stand"
@@ -129,6 +129,12 @@ public:
       for (std::size_t i = 0; i < n; ++i) swap_bytes(values[i]);
   }
 
+  /// Passes over bytes.
+  void skip(std::size_t n) {
+    if (n > remaining()) fail("the file ends within binary data");
+    at_ += n;
+  }
+
   template <class Value>
   Value raw(std::endian order = std::endian::native) {
     Value value;
@@ -151,6 +157,22 @@ public:
   }
 
 private:
+  /// Is the magnitude of a decimal number, which is not 0, less than 1?
+  static bool is_below_one(std::string_view text) {
+    const std::size_t e = std::min(text.find_first_of("eE"), text.size());
+    const std::string_view mantissa = text.substr(0, e);
+    std::string_view power = text.substr(std::min(e + 1, text.size()));
+    if (power.starts_with('+')) power.remove_prefix(1);
+    long exponent = 0;
+    if (std::from_chars(power.data(), power.data() + power.size(), exponent).ec == std::errc::result_out_of_range)
+      return power.starts_with('-');
+    const auto point = static_cast<long>(std::min(mantissa.find('.'), mantissa.size()));
+    const auto first = static_cast<long>(std::min(mantissa.find_first_of("123456789"), mantissa.size()));
+    // Digits before the point once the exponent has moved it; negative: zeros after it.
+    const long digits = first < point ? point - first : point - first + 1;
+    return exponent <= -digits;
+  }
+
   static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
   template <class Value>

@@ -24,8 +24,9 @@ public:
       else if (keyword == "CELL_TYPES")
         read_types();
       else if (keyword == "METADATA")
-        while (!in_.line().empty() || in_.position() == 0) {
-        }
+        skip_metadata();
+      else if (keyword == "FIELD")
+        skip_field();
       else if (keyword.empty())
         in_.fail("the file ends without POINTS, CELLS and CELL_TYPES");
       else
@@ -62,7 +63,7 @@ private:
   }
 
   std::vector<std::int64_t> integers(std::size_t n, std::string_view type, const char* what) {
-    if (type == "int") return values<std::int32_t, std::int64_t>(n, what);
+    if (type == "int" || type == "vtkIdType") return values<std::int32_t, std::int64_t>(n, what);
     if (type == "vtktypeint64" || type == "long") return values<std::int64_t, std::int64_t>(n, what);
     in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
   }
@@ -103,6 +104,7 @@ private:
     const std::string_view offset_type = in_.word();
     in_.line();
     const std::vector<std::int64_t> offsets = integers(n, offset_type, "an offset");
+    skip_metadata_if_any();
     if (in_.word() != "CONNECTIVITY") in_.fail("CONNECTIVITY should stand here");
     const std::string_view type = in_.word();
     in_.line();
@@ -112,6 +114,87 @@ private:
         in_.fail("the offset of cell " + std::to_string(c) + " is out of range");
     rows_.offsets.assign(offsets.begin(), offsets.end());
     if (rows_.offsets.empty()) rows_.offsets.push_back(0);
+  }
+
+  /// A block of lines that ends with an empty one.
+  void skip_metadata() {
+    in_.line();
+    while (in_.remaining() > 0 && !is_blank(in_.line())) {
+    }
+  }
+
+  /// Each array may have one.
+  void skip_metadata_if_any() {
+    if (in_.peek_word() != "METADATA") return;
+    in_.word();
+    skip_metadata();
+  }
+
+  static bool is_blank(std::string_view line) { return line.find_first_not_of(" \t\r") == line.npos; }
+
+  /// Arrays that belong to no cell and no point (of a time, a name...).
+  void skip_field() {
+    in_.word();  // its name
+    const std::size_t n_arrays = in_.count("the number of arrays", 1);
+    for (std::size_t array = 0; array < n_arrays; ++array) {
+      skip_metadata_if_any();
+      in_.word();  // its name
+      const auto n_components = in_.number<std::size_t>("the number of components");
+      const auto n = in_.number<std::size_t>("the number of rows");
+      // Bits are the smallest: eight a byte.
+      if (n_components != 0 && n > 8 * in_.remaining() / n_components) in_.fail("an array is larger than the file");
+      const std::string_view type = in_.word();
+      in_.line();
+      skip_values(n * n_components, type);
+    }
+  }
+
+  void skip_values(std::size_t n, std::string_view type) {
+    if (type == "string") {
+      for (std::size_t i = 0; i < n; ++i) skip_string();
+    } else if (!binary_) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (in_.word().empty()) in_.fail("the file ends within an array");
+    } else if (type == "bit") {
+      in_.skip((n + 7) / 8);
+    } else {
+      const std::size_t size = size_of(type);
+      if (n > in_.remaining() / size) in_.fail("the file ends within binary data");
+      in_.skip(n * size);
+    }
+  }
+
+  /// Text files: a line each. Binary ones: the length first, in as many bytes as its two highest bits tell.
+  void skip_string() {
+    if (!binary_) {
+      in_.line();
+      return;
+    }
+    const auto first = in_.raw<std::uint8_t>();
+    std::size_t length = first & 0x3f;
+    for (int more = first >> 6 == 3 ? 0 : first >> 6 == 2 ? 1 : first >> 6 == 1 ? 3 : 7; more > 0; --more)
+      length = length << 8 | in_.raw<std::uint8_t>();
+    in_.skip(length);
+  }
+
+  std::size_t size_of(std::string_view type) const {
+    constexpr std::array<std::pair<std::string_view, std::size_t>, 14> sizes{{{"char", 1},
+                                                                              {"signed_char", 1},
+                                                                              {"unsigned_char", 1},
+                                                                              {"short", 2},
+                                                                              {"unsigned_short", 2},
+                                                                              {"int", 4},
+                                                                              {"unsigned_int", 4},
+                                                                              {"float", 4},
+                                                                              {"long", 8},
+                                                                              {"unsigned_long", 8},
+                                                                              {"double", 8},
+                                                                              {"vtkIdType", 4},
+                                                                              {"vtktypeint64", 8},
+                                                                              {"vtktypeuint64", 8}}};
+    for (const auto& [name, size] : sizes)
+      if (name == type) return size;
+    in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
   }
 
   void read_types() {

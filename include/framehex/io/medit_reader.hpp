@@ -65,7 +65,10 @@ inline MixedMesh read_medit(const std::filesystem::path& path) {
       const std::size_t n = in.count("the number of elements", 2 * section->n_corners);
       std::array<std::int64_t, 8> corners{};
       for (std::size_t i = 0; i < n; ++i, ++number) {
-        for (std::size_t j = 0; j < section->n_corners; ++j) corners[j] = in.number<std::int64_t>("a vertex") - 1;
+        for (std::size_t j = 0; j < section->n_corners; ++j) {
+          const auto vertex = in.number<std::int64_t>("a vertex");
+          corners[j] = vertex > 0 ? vertex - 1 : -1;  // the least integer has none below it
+        }
         const auto label = in.number<std::int64_t>("a reference");
         builder.add(section->dimension, section->kind, std::span(corners).first(section->n_corners), label, number);
       }

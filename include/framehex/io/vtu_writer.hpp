@@ -52,6 +52,22 @@ private:
   }
 };
 
+/// Text as the value of an XML attribute.
+inline std::string xml_escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\t':
+      case '\n':
+      case '\r': out += "&#" + std::to_string(static_cast<int>(c)) + ";"; break;
+      default: out += c;
+    }
+  return out;
+}
+
 /// One appended array: its element in the XML part, and where its bytes stand.
 class VtuArrays {
 public:
@@ -62,7 +78,7 @@ public:
     static_assert(sizeof(Value) <= 8);
     const char* const family = std::is_floating_point_v<Value> ? "Float" : std::is_signed_v<Value> ? "Int" : "UInt";
     std::string element = "        <DataArray type=\"" + std::string(family) + std::to_string(8 * sizeof(Value)) +
-                          "\" Name=\"" + name + "\"";
+                          "\" Name=\"" + xml_escaped(name) + "\"";
     if (n_components != 1) element += " NumberOfComponents=\"" + std::to_string(n_components) + "\"";
     element += " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
     offset_ += sizeof(std::uint64_t) + (n + n_padding) * sizeof(Value);

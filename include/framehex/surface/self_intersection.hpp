@@ -5,94 +5,130 @@
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/detail/box_tree.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 
 namespace framehex {
 
 namespace detail {
 
-/// Three points, and tests of segments and other triangles against them, all by exact predicates.
+/// Least axis along which a, b and c do not fall on one line, exactly; 3 when they are on one line in space.
+inline int projection_axis(const Vector3& a, const Vector3& b, const Vector3& c) {
+  int axis = 0;
+  while (axis < 3 && projected_orientation(axis, a, b, c) == 0) ++axis;
+  return axis;
+}
+
+/// Do two closed segments of one plane meet, seen along an axis that is not in it?
+inline bool segments_meet(int axis, const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b) {
+  const int pq_a = projected_orientation(axis, p, q, a), pq_b = projected_orientation(axis, p, q, b);
+  const int ab_p = projected_orientation(axis, a, b, p), ab_q = projected_orientation(axis, a, b, q);
+  if (pq_a != 0 || pq_b != 0 || ab_p != 0 || ab_q != 0) return pq_a * pq_b <= 0 && ab_p * ab_q <= 0;
+  // On one line: compare boxes.
+  return (p.cwiseMax(q).array() >= a.cwiseMin(b).array()).all() &&
+         (a.cwiseMax(b).array() >= p.cwiseMin(q).array()).all();
+}
+
+/// The same in space.
+inline bool segments_meet(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b) {
+  if (orientation(p, q, a, b) != 0) return false;
+  const std::array<int, 4> axes{projection_axis(p, q, a), projection_axis(p, q, b), projection_axis(a, b, p),
+                                projection_axis(a, b, q)};
+  // All on one line: the axis does not matter.
+  return segments_meet(*std::min_element(axes.begin(), axes.end()) % 3, p, q, a, b);
+}
+
+/// Three points, and tests of points, segments and other triangles against them, all by exact predicates.
 class ExactTriangle {
 public:
-  ExactTriangle(const Vector3& a, const Vector3& b, const Vector3& c) : corners_{a, b, c} {}
+  ExactTriangle(const Vector3& a, const Vector3& b, const Vector3& c)
+      : corners_{a, b, c}, axis_(projection_axis(a, b, c)) {}
+
+  const Vector3& corner(std::size_t i) const { return corners_[i]; }
+
+  /// Are the corners on one line?
+  bool is_degenerate() const { return axis_ == 3; }
+
+  /// Along which the triangle has an area; 3 when it is degenerate.
+  int axis() const { return axis_; }
 
   /// Does the closed segment pq meet the closed triangle?
   bool meets(const Vector3& p, const Vector3& q) const {
+    if (is_degenerate()) return meets_an_edge([&](const auto& a, const auto& b) { return segments_meet(p, q, a, b); });
     const auto& [a, b, c] = corners_;
     const int side_p = orientation(a, b, c, p), side_q = orientation(a, b, c, q);
     if (side_p * side_q > 0) return false;
     if (side_p == 0 && side_q == 0) return meets_in_plane(p, q);
-    const int ab = orientation(p, q, a, b), bc = orientation(p, q, b, c), ca = orientation(p, q, c, a);
-    return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
+    return have_one_sign(orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a));
   }
 
-  /// A point off the plane, from which all points of the plane are seen in one sense: turns the exact predicate of
-  /// space into one of the plane.
-  Vector3 eye() const {
-    const auto& [a, b, c] = corners_;
-    const Vector3 n = (b - a).cross(c - a);
-    int axis = 0;
-    n.cwiseAbs().maxCoeff(&axis);
-    Vector3 e = a;
-    e[axis] += (b - a).cwiseAbs().maxCoeff() + (c - a).cwiseAbs().maxCoeff();
-    return e;
+  /// Does the edge that begins at corner i meet another triangle?
+  bool edge_meets(std::size_t i, const ExactTriangle& other) const {
+    return other.meets(corners_[i], corners_[(i + 1) % 3]);
+  }
+
+  /// Does a ray from corner 0 leave this triangle at a point of another? A degenerate one it leaves at an end.
+  bool far_side_meets(const ExactTriangle& other) const {
+    return is_degenerate() ? other.meets(corners_[1], corners_[1]) || other.meets(corners_[2], corners_[2])
+                           : edge_meets(1, other);
   }
 
 private:
-  bool meets_in_plane(const Vector3& p, const Vector3& q) const {
-    const auto& [a, b, c] = corners_;
-    const Vector3 e = eye();
-    const int ab_p = orientation(a, b, p, e), bc_p = orientation(b, c, p, e), ca_p = orientation(c, a, p, e);
-    if ((ab_p >= 0 && bc_p >= 0 && ca_p >= 0) || (ab_p <= 0 && bc_p <= 0 && ca_p <= 0)) return true;
-    for (std::size_t i = 0; i < 3; ++i)
-      if (segments_meet(p, q, corners_[i], corners_[(i + 1) % 3], e)) return true;
-    return false;
+  static bool have_one_sign(int a, int b, int c) {
+    return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
   }
 
-  static bool segments_meet(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b, const Vector3& e) {
-    const int pq_a = orientation(p, q, a, e), pq_b = orientation(p, q, b, e);
-    const int ab_p = orientation(a, b, p, e), ab_q = orientation(a, b, q, e);
-    if (pq_a == 0 && pq_b == 0 && ab_p == 0 && ab_q == 0) {  // on one line: compare boxes
-      for (int i = 0; i < 3; ++i)
-        if (std::max(p[i], q[i]) < std::min(a[i], b[i]) || std::max(a[i], b[i]) < std::min(p[i], q[i])) return false;
-      return true;
-    }
-    return pq_a * pq_b <= 0 && ab_p * ab_q <= 0;
+  template <class Meets>
+  bool meets_an_edge(Meets&& meets) const {
+    return meets(corners_[0], corners_[1]) || meets(corners_[1], corners_[2]) || meets(corners_[2], corners_[0]);
+  }
+
+  bool meets_in_plane(const Vector3& p, const Vector3& q) const {
+    const auto& [a, b, c] = corners_;
+    return have_one_sign(projected_orientation(axis_, a, b, p), projected_orientation(axis_, b, c, p),
+                         projected_orientation(axis_, c, a, p)) ||
+           meets_an_edge([&](const auto& u, const auto& v) { return segments_meet(axis_, p, q, u, v); });
   }
 
   std::array<Vector3, 3> corners_;
+  int axis_;
 };
 
-/// Is there a plane between two triangles, beyond any rounding, that touches them in what they share at most? Their
-/// first `shared` points are common. Spares the exact predicates nearly all pairs, above all those of flat faces.
-inline bool plainly_apart(const std::array<Vector3, 3>& s, const std::array<Vector3, 3>& t, std::size_t shared) {
-  const auto beyond = [&](const std::array<Vector3, 3>& a, const std::array<Vector3, 3>& b, const Vector3& axis) {
+/// Are two triangles with a common edge, from their first corner to their second, folded on one another?
+inline bool are_folded(const ExactTriangle& s, const ExactTriangle& t) {
+  const Vector3 &a = s.corner(0), &b = s.corner(1), &p = s.corner(2), &q = t.corner(2);
+  // Null triangles stay on the line of the edge, which another meets in the edge only.
+  if (s.is_degenerate() && t.is_degenerate()) {
+    const auto beyond = [](const Vector3& from, const Vector3& end, const Vector3& x) {
+      return ((end - from).array() * (x - end).array() > 0).any();
+    };
+    return (beyond(a, b, p) && beyond(a, b, q)) || (beyond(b, a, p) && beyond(b, a, q));
+  }
+  if (s.is_degenerate() || t.is_degenerate() || orientation(a, b, p, q) != 0) return false;
+  return projected_orientation(s.axis(), a, b, p) == projected_orientation(s.axis(), a, b, q);
+}
+
+/// Is there a plane between two triangles without common points, beyond any rounding? Spares the exact predicates
+/// nearly all pairs.
+inline bool are_plainly_apart(const std::array<Vector3, 3>& s, const std::array<Vector3, 3>& t) {
+  // Any axis will do, however it was rounded: what counts is that the triangles do not overlap along it.
+  const auto beyond = [](const std::array<Vector3, 3>& a, const std::array<Vector3, 3>& b, const Vector3& axis) {
     double high = -std::numeric_limits<double>::infinity(), low = -high, size = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vector3 u = a[i] - a[0], v = b[i] - a[0];
       high = std::max(high, axis.dot(u));
-      if (i >= shared) low = std::min(low, axis.dot(v));
+      low = std::min(low, axis.dot(v));
       size = std::max({size, u.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()});
     }
     const double unit = size * axis.cwiseAbs().maxCoeff();
-    if (shared == 2 && std::abs(axis.dot(a[1] - a[0])) > 1e-14 * unit) return false;
-    return (shared == 0 || high < 1e-14 * unit) && low - high > 1e-10 * unit;
+    return unit > 1e-250 && low - high > 1e-10 * unit;
   };
   const auto apart = [&](const std::array<Vector3, 3>& a, const std::array<Vector3, 3>& b) {
     const Vector3 n = (a[1] - a[0]).cross(a[2] - a[0]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vector3 outward = (a[(i + 1) % 3] - a[i]).cross(n);
-      if (shared > 0 && outward.dot(a[(i + 2) % 3] - a[i]) > 0) outward = -outward;
-      if (beyond(a, b, outward)) return true;
-    }
+    for (std::size_t i = 0; i < 3; ++i)
+      if (beyond(a, b, (a[(i + 1) % 3] - a[i]).cross(n))) return true;
     return beyond(a, b, n) || beyond(a, b, -n);
   };
-  // The lines of edges often run on into the neighbour's edges, on lattices always: then this one lies between.
-  const auto direction = [&](const std::array<Vector3, 3>& a) {
-    return Vector3((a[1] - a[0]).stableNormalized() + (a[2] - a[0]).stableNormalized());
-  };
-  if (shared == 1 && beyond(s, t, direction(t) - direction(s))) return true;
   return apart(s, t) || apart(t, s);
 }
 
@@ -110,19 +146,17 @@ inline bool triangles_cross(const std::vector<Vector3>& points, const std::array
         ++shared;
         break;
       }
-  const auto p = [&](std::size_t i) -> const Vector3& { return points[u[i]]; };
-  const auto q = [&](std::size_t i) -> const Vector3& { return points[v[i]]; };
   if (shared == 3) return true;
-  if (plainly_apart({p(0), p(1), p(2)}, {q(0), q(1), q(2)}, shared)) return false;
-  if (shared == 2) {  // only when one is folded back on the other
-    if (orientation(p(0), p(1), p(2), q(2)) != 0) return false;
-    const Vector3 e = ExactTriangle(p(0), p(1), p(2)).eye();
-    return orientation(p(0), p(1), p(2), e) == orientation(p(0), p(1), q(2), e);
-  }
-  const ExactTriangle first(p(0), p(1), p(2)), second(q(0), q(1), q(2));
-  if (first.meets(q(1), q(2)) || second.meets(p(1), p(2))) return true;
-  if (shared == 1) return false;
-  return first.meets(q(0), q(1)) || first.meets(q(2), q(0)) || second.meets(p(0), p(1)) || second.meets(p(2), p(0));
+  if (shared == 0 &&
+      are_plainly_apart({points[u[0]], points[u[1]], points[u[2]]}, {points[v[0]], points[v[1]], points[v[2]]}))
+    return false;
+  const ExactTriangle first(points[u[0]], points[u[1]], points[u[2]]), second(points[v[0]], points[v[1]], points[v[2]]);
+  if (shared == 2) return are_folded(first, second);
+  // With a common corner: a ray from it to another common point leaves one of the two within the other.
+  if (shared == 1) return first.far_side_meets(second) || second.far_side_meets(first);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (first.edge_meets(i, second) || second.edge_meets(i, first)) return true;
+  return false;
 }
 
 }  // namespace detail

@@ -53,11 +53,13 @@ private:
           Entity::vertex, {i});
   }
 
+  [[noreturn]] static void refuse_twins(index_t a, index_t b) {
+    throw invalid_option("samples " + std::to_string(a) + " and " + std::to_string(b) + " are the same point",
+                         Entity::vertex, {a, b});
+  }
+
   void take(index_t v, index_t sample) {
-    if (sample_of_vertex_[v] != no_index)
-      throw invalid_option(
-          "samples " + std::to_string(sample_of_vertex_[v]) + " and " + std::to_string(sample) + " are the same point",
-          Entity::vertex, {sample_of_vertex_[v], sample});
+    if (sample_of_vertex_[v] != no_index) refuse_twins(sample_of_vertex_[v], sample);
     sample_of_vertex_[v] = sample;
     vertex_of_sample_[sample] = v;
     surface_.points[v] = samples_[sample].point;
@@ -96,6 +98,7 @@ private:
       const double begin = arcs[i], length = arcs[i + 1] - arcs[i];
       const bool last = i + 2 == curve.size();
       index_t at = a;
+      double before = 0;
       for (; next < order.size() && (last || samples_[order[next]].arc < begin + (1 - same_point) * length); ++next) {
         const double position = length > 0 ? (samples_[order[next]].arc - begin) / length : 0;
         if (position <= same_point) {
@@ -103,7 +106,11 @@ private:
         } else if (position >= 1 - same_point) {
           take(b, order[next]);
         } else {
+          const double gap = (samples_[order[next]].point - surface_.points[at]).norm();
+          if (at != a && (position - before <= same_point || gap <= same_point * length))
+            refuse_twins(sample_of_vertex_[at], order[next]);
           at = split_feature(at, b, a, position, order[next]);
+          before = position;
           row.push_back({at, samples_[order[next]].arc});
         }
       }

@@ -76,10 +76,14 @@ public:
   SurfaceRepair(EditableSurface& surface, SectorNormals& normals, CurveChains& chains, DelaunayFlipper& flipper)
       : surface_(surface), normals_(normals), chains_(chains), flipper_(flipper) {}
 
+  /// Gives up as well when the triangles that cross grow in number: then the input itself crosses there, and each round
+  /// would double them.
+  ///
   /// @return number of triangle pairs that still cross after at most `max_rounds` rounds.
   std::size_t run(int max_rounds) {
     std::vector<index_t> crossing = crossing_triangles();
-    for (int round = 0; round < max_rounds && !crossing.empty(); ++round) {
+    const std::size_t most = 4 * crossing.size() + 100;
+    for (int round = 0; round < max_rounds && !crossing.empty() && crossing.size() <= most; ++round) {
       if (tree_.nodes().empty()) build_tree();
       for (const index_t t : crossing)
         if (surface_.alive(t)) split_longest(t);
