@@ -90,17 +90,15 @@ BENCHMARK(volume_of_a_field_on_a_mesh<3>)->Arg(22)->Arg(47)->Arg(100)->Unit(benc
 
 template <index_t Rounds>
 void sphere(benchmark::State& state) {
-  const auto surface = sphere_surface(1, 5);
-  const auto adjacency = make_adjacency(surface);
-  const auto features = detect_features(surface, adjacency);
-  const auto frames = triangle_frames(surface, Quaternion::Identity());
+  const auto mesh = sphere_surface(1, 5);
+  const Surface surface(mesh);
+  const auto frames = triangle_frames(mesh, Quaternion::Identity());
   const double h = 1.0 / static_cast<double>(state.range(0));
   const auto size = [h](const Vector3&) { return h; };
-  const auto curves = insert_curve_points(surface, features, size);
+  const auto curves = insert_curve_points(surface, size);
   std::size_t n_points = 0;
   for (auto _ : state)
-    n_points = insert_surface_points(surface, adjacency, features, frames, {}, curves, size, {.rounds = Rounds})
-                   .samples.size();
+    n_points = insert_surface_points(surface, frames, {}, curves, size, {.rounds = Rounds}).samples.size();
   state.counters["points"] = static_cast<double>(n_points);
   state.counters["points/s"] =
       benchmark::Counter(static_cast<double>(n_points), benchmark::Counter::kIsIterationInvariantRate);

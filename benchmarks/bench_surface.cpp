@@ -77,19 +77,17 @@ void inside(benchmark::State& state) {
 
 void features_of_cylinder(benchmark::State& state) {
   const auto surface = test::cylinder_surface(1, 1, static_cast<int>(state.range(0) / 4));
-  const auto adjacency = make_adjacency(surface);
-  for (auto _ : state) benchmark::DoNotOptimize(detect_features(surface, adjacency));
+  for (auto _ : state) benchmark::DoNotOptimize(detect_features(surface));
   state.SetComplexityN(state.range(0));
 }
 
 void refine_cylinder(benchmark::State& state) {
-  const auto surface = test::cylinder_surface(0.5, 2, 64);
-  const auto features = detect_features(surface, make_adjacency(surface));
+  const Surface surface = test::cylinder_surface(0.5, 2, 64);
   const double length = 4 / std::sqrt(static_cast<double>(state.range(0)));
   std::size_t n = 0;
   for (auto _ : state) {
-    const auto fine = refine(surface, features, [&](const Vector3&) { return length; });
-    n = fine.surface.triangles.size();
+    const auto fine = refine(surface, [&](const Vector3&) { return length; });
+    n = fine.surface.triangles().size();
   }
   state.SetComplexityN(static_cast<std::int64_t>(n));
   state.counters["triangles"] = static_cast<double>(n);
@@ -97,27 +95,22 @@ void refine_cylinder(benchmark::State& state) {
 
 void cross_field_with_features(benchmark::State& state) {
   const int n = static_cast<int>(std::sqrt(static_cast<double>(state.range(0)) / 12));
-  const auto surface = test::box_surface({1, 1, 1}, n, n, n);
-  const auto adjacency = make_adjacency(surface);
-  const auto features = detect_features(surface, adjacency);
-  for (auto _ : state) benchmark::DoNotOptimize(compute_cross_field(surface, adjacency, features));
+  const Surface surface = test::box_surface({1, 1, 1}, n, n, n);
+  for (auto _ : state) benchmark::DoNotOptimize(compute_cross_field(surface));
   state.SetComplexityN(state.range(0));
 }
 
 void cross_field_closed(benchmark::State& state) {
-  const auto surface = torus(state.range(0));
-  const auto adjacency = make_adjacency(surface);
-  const auto features = detect_features(surface, adjacency);
-  for (auto _ : state) benchmark::DoNotOptimize(compute_cross_field(surface, adjacency, features));
+  const Surface surface = torus(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(compute_cross_field(surface));
   state.SetComplexityN(state.range(0));
 }
 
 void retriangulate_torus(benchmark::State& state) {
-  const auto surface = torus(state.range(0));
-  const auto features = detect_features(surface, make_adjacency(surface));
+  const Surface surface = torus(state.range(0));
   const double h = std::sqrt(2 * 15.8 / static_cast<double>(state.range(0))) * 1.5;
-  const auto samples = test::scatter_samples(surface, features, h);
-  for (auto _ : state) benchmark::DoNotOptimize(retriangulate(surface, features, samples));
+  const auto samples = test::scatter_samples(surface, h);
+  for (auto _ : state) benchmark::DoNotOptimize(retriangulate(surface, samples));
   state.SetComplexityN(state.range(0));
   state.counters["samples"] = static_cast<double>(samples.size());
 }

@@ -4,7 +4,6 @@
 // "l ORDER x1 y1 x2 y2" for the lattice links. Build: g++ -std=c++20 -O2 -Iinclude -Itests -I/usr/include/eigen3.
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/surface/cross_field.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 
 #include "support/surfaces.hpp"
@@ -18,12 +17,11 @@ namespace {
 
 template <class Order>
 void print(const char* name, const RefinedSurface& refined, double h) {
-  const TriangleAdjacency adjacency = make_adjacency(refined.surface);
-  const SurfaceCrossField cross = compute_cross_field(refined.surface, adjacency, refined.features);
+  const SurfaceCrossField cross = compute_cross_field(refined.surface);
   const auto size = [h](const Vector3&) { return h; };
-  const CurveInsertion curves = insert_curve_points(refined.surface, refined.features, size);
-  const SurfaceInsertion result = insert_surface_points<Order>(
-      refined.surface, adjacency, refined.features, cross.frames, cross.smoothness, curves, size, {.rounds = 0});
+  const CurveInsertion curves = insert_curve_points(refined.surface, size);
+  const SurfaceInsertion result =
+      insert_surface_points<Order>(refined.surface, cross.frames, cross.smoothness, curves, size, {.rounds = 0});
   const auto on_top = [&](std::size_t i) { return result.samples[i].point.z() > 0.15; };
   for (std::size_t i = 0; i < result.samples.size(); ++i) {
     const Vector3& p = result.samples[i].point;
@@ -48,8 +46,7 @@ int main() {
   outline.emplace_back(-1.3, 0);
   outline.emplace_back(-1.3, -0.6);
   const IndexedTriangleMesh plate = test::extruded_polygon(outline, 0.16);
-  const FeatureGraph features = detect_features(plate, make_adjacency(plate));
-  const RefinedSurface refined = refine(plate, features, [](const Vector3&) { return 0.05; });
+  const RefinedSurface refined = refine(plate, [](const Vector3&) { return 0.05; });
   print<FifoOrder>("fifo", refined, 0.06);
   print<SmoothnessOrder>("smoothness", refined, 0.06);
 }

@@ -34,6 +34,7 @@
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
 #include "framehex/surface/self_intersection.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 #include "framehex/surface/surface_point.hpp"
 #include "framehex/surface/surface_sample.hpp"

@@ -80,7 +80,7 @@ TEST_CASE("boundary vertices slide on their side or edge of a cube and corners s
   const index_t on_side = find(mesh.points, {1, 1, 0}), on_edge = find(mesh.points, {1, 0, 0});
   mesh.points[on_side] += Vector3(0.7, 0.6, 0);
   mesh.points[on_edge] += Vector3(0.8, 0, 0);
-  const BoundarySlider slider(surface, features, mesh.points, edges, 1e-9);
+  const BoundarySlider slider({surface.points, make_adjacency(surface), features}, mesh.points, edges, 1e-9);
   Vector3 place(0.1, 0.2, 0.3);
   CHECK_FALSE(slider(find(mesh.points, {0, 0, 0}), place));
   CHECK(place == Vector3(0.1, 0.2, 0.3));
@@ -110,7 +110,7 @@ TEST_CASE("the only corner of a closed curve is fixed, as are vertices off the s
   features.curves.end_row();
   const std::vector<Vector3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}, {0.5, 0.5, 1e-3}};
   const std::vector<LabelledEdge> edges{{{0, 1}, 7}, {{1, 2}, 7}, {{2, 3}, 7}, {{3, 0}, 7}};
-  const BoundarySlider slider(surface, features, points, edges, 1e-6);
+  const BoundarySlider slider({surface.points, make_adjacency(surface), features}, points, edges, 1e-6);
   const auto moves = [&](index_t v) {
     Vector3 place(0.3, 0.4, 0.2);
     return slider(v, place);

@@ -16,6 +16,7 @@ CORE = LAYERS[:LAYERS.index("io")]
 # Offered for comparison with the paper, at a cost that other users need not pay: included by name only.
 OPT_IN = {"geometry/spatial_index.hpp", "insertion/rtree_filter.hpp", "recombination/pattern_search.hpp"}
 MAX_LINES = 500
+COLUMNS = 120
 UMBRELLAS = {"framehex.hpp": CORE, "io.hpp": ["io"]}
 FIRST_LINES = {"framehex.hpp": "// The core: no readers or writers (io.hpp), no adapters to foreign libraries.",
                "io.hpp": "// Readers and writers that need no foreign library."}
@@ -59,6 +60,17 @@ def check(header, text, errors):
             errors.append(f"{header}: the core includes <{included}>")
 
 
+def broken_comments(header, text):
+    """Lines that a formatter tore: a word or two left over from a line too long, before an indented continuation."""
+    lines = text.split("\n")
+    for above, line, below in zip(lines, lines[1:], lines[2:]):
+        left_over = re.match(r"\s*//[/!]? ([^\s@].{0,39})$", line)
+        continued = re.match(r"\s*//[/!]?\s{3,}\S", below)
+        if left_over and continued and above.lstrip().startswith("//"):
+            if len(above) + 1 + len(left_over[1].split()[0]) > COLUMNS:
+                yield f"{header}: the comment is broken at '{line.strip()}'"
+
+
 def main():
     root = pathlib.Path(sys.argv[1]) / "include" / "framehex"
     headers = sorted(pathlib.PurePosixPath(p.relative_to(root).as_posix()) for p in root.rglob("*.hpp"))
@@ -74,6 +86,7 @@ def main():
         if header.as_posix() in UMBRELLAS:
             continue
         check(header, text, errors)
+        errors.extend(broken_comments(header, text))
         if "boost/geometry" in text:
             geometry.append(str(header))
     if len(geometry) > 1:

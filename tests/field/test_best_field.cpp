@@ -84,16 +84,15 @@ TEST_CASE("a cube has no singular line, also with the lattice at a slant") {
 TEST_CASE("kept crosses stay, and free ones can be read back") {
   const IndexedTetMesh mesh = test::cylinder_mesh(8, 10, 0.5, 1);
   const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
-  const TriangleAdjacency adjacency = make_adjacency(boundary.surface);
-  const FeatureGraph features = detect_features(boundary.surface, adjacency);
-  const SurfaceCrossField crosses = compute_cross_field(boundary.surface, adjacency, features);
-  const BoundaryFrames frames = make_boundary_frames(boundary.surface, adjacency, features, crosses.frames);
-  const auto kept = compute_frame_field(mesh, boundary.surface, features, crosses.frames,
+  const Surface surface(boundary.surface);
+  const SurfaceCrossField crosses = compute_cross_field(surface);
+  const BoundaryFrames frames = make_boundary_frames(surface, crosses.frames);
+  const auto kept = compute_frame_field(mesh, surface, crosses.frames,
                                         {.vertex_of = boundary.vertex_of, .surface_cross = SurfaceCross::kept});
   for (std::size_t s = 0; s < boundary.vertex_of.size(); ++s)
     CHECK(Group::angle(kept.frames()[boundary.vertex_of[s]], frames.frames[s]) < 1e-9);
   const auto field = compute_frame_field(mesh);
-  const auto read = surface_crosses(field, boundary.surface, boundary.vertex_of);
+  const auto read = surface_crosses(field, surface, boundary.vertex_of);
   for (std::size_t t = 0; t < read.size(); ++t) {
     const Vector3 z = crosses.frames[t] * Vector3::UnitZ();
     CHECK((read[t] * Vector3::UnitZ() - z).norm() < 1e-9);

@@ -30,6 +30,10 @@ IndexedTetMesh wedge(double angle) {
   return mesh;
 }
 
+Surface without_features(const IndexedTriangleMesh& mesh) {
+  return {mesh.points, make_adjacency(mesh), {}};
+}
+
 std::vector<Quaternion> upright(const IndexedTriangleMesh& surface) {
   std::vector<Quaternion> frames;
   for (const auto& t : surface.triangles)
@@ -99,7 +103,7 @@ TEST_CASE("a vertex whose normals cancel still has a frame along each of them") 
     surface.triangles.push_back({0, 1 + i, 1 + (i + 1) % 4});
     surface.triangles.push_back({0, 5 + (i + 1) % 4, 5 + i});
   }
-  const auto frames = make_boundary_frames(surface, make_adjacency(surface), {}, upright(surface));
+  const auto frames = make_boundary_frames(without_features(surface), upright(surface));
   for (const Quaternion& q : frames.frames) CHECK(std::abs(q.norm() - 1) < 1e-9);
   CHECK(frames.constraints[0] == FrameConstraint::fixed);
 }
@@ -110,7 +114,7 @@ TEST_CASE("a vertex without any usable normal, and a frame that is none, are nam
   surface.triangles = {{0, 1, 2}, {0, 2, 3}};
   std::vector<Quaternion> frames(2, Quaternion::Identity());
   try {
-    make_boundary_frames(surface, make_adjacency(surface), {}, frames);
+    make_boundary_frames(without_features(surface), frames);
     FAIL("triangles without area were accepted");
   } catch (const invalid_field& e) {
     CHECK(e.entity() == Entity::vertex);
@@ -121,7 +125,7 @@ TEST_CASE("a vertex without any usable normal, and a frame that is none, are nam
   for (const Quaternion& bad : {Quaternion(0, 0, 0, 0), Quaternion(std::nan(""), 0, 0, 1), Quaternion(2, 0, 0, 0)}) {
     frames[1] = bad;
     try {
-      make_boundary_frames(surface, make_adjacency(surface), {}, frames);
+      make_boundary_frames(without_features(surface), frames);
       FAIL("a frame that is no rotation was accepted");
     } catch (const invalid_field& e) {
       CHECK(e.entity() == Entity::triangle);
@@ -129,15 +133,13 @@ TEST_CASE("a vertex without any usable normal, and a frame that is none, are nam
     }
   }
   frames.resize(1);
-  CHECK_THROWS_AS(make_boundary_frames(surface, make_adjacency(surface), {}, frames), invalid_option);
+  CHECK_THROWS_AS(make_boundary_frames(without_features(surface), frames), invalid_option);
 }
 
 TEST_CASE("boundary frames of a box: normals on faces, all axes on edges and corners") {
   const IndexedTetMesh mesh = test::kuhn_lattice(3);
   const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
-  const TriangleAdjacency adjacency = make_adjacency(boundary.surface);
-  const FeatureGraph features = detect_features(boundary.surface, adjacency);
-  const auto frames = make_boundary_frames(boundary.surface, adjacency, features, upright(boundary.surface));
+  const auto frames = make_boundary_frames(boundary.surface, upright(boundary.surface));
   for (std::size_t v = 0; v < frames.frames.size(); ++v) {
     const Vector3& p = boundary.surface.points[v];
     const auto sides = ((p.array() == 0) || (p.array() == 3)).count();
@@ -165,10 +167,10 @@ TEST_CASE("options and maps out of range are refused") {
   const IndexedTetMesh mesh = test::kuhn_lattice(2);
   const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
   const auto crosses = upright(boundary.surface);
-  CHECK_THROWS_AS(compute_frame_field(mesh, boundary.surface, {}, crosses, {.vertex_of = {0, 1, 2}}), invalid_option);
+  CHECK_THROWS_AS(compute_frame_field(mesh, boundary.surface, crosses, {.vertex_of = {0, 1, 2}}), invalid_option);
   std::vector<index_t> beyond(boundary.vertex_of);
   beyond[4] = 1000;
-  CHECK_THROWS_AS(compute_frame_field(mesh, boundary.surface, {}, crosses, {.vertex_of = beyond}), invalid_option);
+  CHECK_THROWS_AS(compute_frame_field(mesh, boundary.surface, crosses, {.vertex_of = beyond}), invalid_option);
   FrameField<IndexedTetMesh> field(mesh);
   CHECK_THROWS_AS(field.smooth({.local_tolerance = 0}), invalid_option);
   CHECK_THROWS_AS(field.smooth({.max_sweeps = 0}), invalid_option);

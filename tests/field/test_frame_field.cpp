@@ -125,11 +125,10 @@ TEST_CASE("the nearest start takes the frame of the nearest boundary point, foun
   const IndexedTetMesh mesh = test::ball_mesh(6);
   const TetAdjacency adjacency = make_adjacency(mesh);
   const BoundarySurface boundary = extract_boundary(mesh, adjacency);
-  const TriangleAdjacency surface_adjacency = make_adjacency(boundary.surface);
-  const FeatureGraph features = detect_features(boundary.surface, surface_adjacency);
-  const SurfaceCrossField crosses = compute_cross_field(boundary.surface, surface_adjacency, features);
-  const BoundaryFrames frames = make_boundary_frames(boundary.surface, surface_adjacency, features, crosses.frames);
-  const auto field = compute_frame_field(mesh, boundary.surface, features, crosses.frames,
+  const Surface surface(boundary.surface);
+  const SurfaceCrossField crosses = compute_cross_field(surface);
+  const BoundaryFrames frames = make_boundary_frames(surface, crosses.frames);
+  const auto field = compute_frame_field(mesh, surface, crosses.frames,
                                          {.method = FieldMethod::nearest, .vertex_of = boundary.vertex_of});
   REQUIRE(all_unit(field.frames()));
   for (index_t v = 0; v < mesh.points.size(); ++v) {

@@ -48,7 +48,9 @@ double diagonal(const IndexedTriangleMesh& surface) {
 }
 
 /// Largest distance of the vertices and triangle centres of one surface from another.
-double deviation(const IndexedTriangleMesh& from, const IndexedTriangleMesh& to) {
+template <TriangleMesh M, TriangleMesh N>
+double deviation(const M& mesh, const N& to) {
+  const auto& from = detail::flat(mesh);
   const SurfaceLocator locator(to);
   double most = 0;
   for (const Vector3& p : from.points) most = std::max(most, locator.nearest(p).distance);
@@ -101,24 +103,20 @@ TEST_CASE("on six models the second mesh has every sample and point as a vertex,
   const IndexedTriangleMesh input = read(model);
   const auto size = [&](const Vector3&) { return model.h; };
   const double edge = 1.5 * model.h;
-  const RefinedSurface refined =
-      refine(input, detect_features(input, make_adjacency(input)), [&](const Vector3&) { return edge; });
-  const IndexedTriangleMesh& surface = refined.surface;
-  const FeatureGraph& features = refined.features;
-  const TriangleAdjacency adjacency = make_adjacency(surface);
+  const RefinedSurface refined = refine(input, [&](const Vector3&) { return edge; });
+  const Surface& surface = refined.surface;
   const IndexedTetMesh background =
       tetrahedralize(TetgenProcess{}, surface, background_points(surface, SurfaceLocator(surface), edge)).mesh;
-  const SurfaceCrossField cross = compute_cross_field(surface, adjacency, features);
-  const auto field =
-      compute_frame_field(background, surface, features, cross.frames, {.method = FieldMethod::smoothed});
+  const SurfaceCrossField cross = compute_cross_field(surface);
+  const auto field = compute_frame_field(background, surface, cross.frames, {.method = FieldMethod::smoothed});
 
-  const CurveInsertion curves = insert_curve_points(surface, features, size);
-  const SurfaceInsertion samples =
-      insert_surface_points(surface, adjacency, features, cross.frames, cross.smoothness, curves, size);
+  const CurveInsertion curves = insert_curve_points(surface, size);
+  const SurfaceInsertion samples = insert_surface_points(surface, cross.frames, cross.smoothness, curves, size);
   for (const SurfaceSample& sample : curves.samples)
     if (sample.kind == SampleKind::curve)
-      REQUIRE(distance_to_polyline(sample.point, features.curves[sample.entity], surface.points) < 1e-9 * model.h);
-  const Retriangulation boundary = retriangulate(surface, features, samples.samples);
+      REQUIRE(distance_to_polyline(sample.point, surface.features.curves[sample.entity], surface.points) <
+              1e-9 * model.h);
+  const Retriangulation boundary = retriangulate(surface, samples.samples);
   CHECK(boundary.n_unremoved == 0);
   CHECK(200 * boundary.n_added <= samples.samples.size());
   CHECK(boundary.n_crossings == 0);
@@ -142,7 +140,7 @@ TEST_CASE("on six models the second mesh has every sample and point as a vertex,
     for (const index_t v : tet) used[v] = 1;
   CHECK(std::count(used.begin(), used.end(), 0) == 0);
   std::set<std::array<index_t, 3>> triangles;
-  for (const auto& t : boundary.surface.triangles) triangles.insert(canonical(t));
+  for (const auto& t : boundary.surface.triangles()) triangles.insert(canonical(t));
   CHECK(boundary_of(mesh) == triangles);
 
   std::vector<double> lengths;

@@ -15,21 +15,16 @@ using namespace framehex::test;
 namespace {
 
 struct Case {
-  IndexedTriangleMesh surface;
-  TriangleAdjacency adjacency;
-  FeatureGraph features;
+  Surface surface;
   std::vector<Quaternion> frames;
 
-  Case(IndexedTriangleMesh mesh, const Quaternion& frame)
-      : surface(std::move(mesh)),
-        adjacency(make_adjacency(surface)),
-        features(detect_features(surface, adjacency)),
-        frames(triangle_frames(surface, frame)) {}
+  Case(const IndexedTriangleMesh& mesh, const Quaternion& frame)
+      : surface(mesh), frames(triangle_frames(mesh, frame)) {}
 
   template <class Order, class Size, class Proximity = HashGrid>
   SurfaceInsertion insert(const Size& size, const SurfaceOptions& options = {}) const {
-    return insert_surface_points<Order, Proximity>(surface, adjacency, features, frames, {},
-                                                   insert_curve_points(surface, features, size), size, options);
+    return insert_surface_points<Order, Proximity>(surface, frames, {}, insert_curve_points(surface, size), size,
+                                                   options);
   }
 };
 
@@ -37,7 +32,7 @@ const auto constant = [](double h) { return [h](const Vector3&) { return h; }; }
 const Quaternion tilted = Quaternion(0.3, 0.5, -0.2, 0.7).normalized();
 
 double distance_to_triangle_plane(const Case& c, const SurfaceSample& sample) {
-  const auto& t = c.surface.triangles[sample.entity];
+  const auto& t = c.surface.triangles()[sample.entity];
   return (sample.point -
           nearest_on_triangle(sample.point, c.surface.points[t[0]], c.surface.points[t[1]], c.surface.points[t[2]])
               .point)
@@ -76,7 +71,7 @@ TEMPLATE_TEST_CASE("samples of curved surfaces keep their distance and lie on th
     const auto result = c.template insert<TestType>(constant(h));
     const double k = TestType::default_rejection;
     double area = 0;
-    for (const auto& t : c.surface.triangles)
+    for (const auto& t : c.surface.triangles())
       area += 0.5 * (c.surface.points[t[1]] - c.surface.points[t[0]])
                         .cross(c.surface.points[t[2]] - c.surface.points[t[0]])
                         .norm();
@@ -85,8 +80,8 @@ TEMPLATE_TEST_CASE("samples of curved surfaces keep their distance and lie on th
       CHECK(distance_to_triangle_plane(c, result.samples[i]) < 1e-12);
       const Eigen::Matrix3d axes = result.frames[i].toRotationMatrix();
       for (std::size_t j = result.n_curve_samples; j < i; ++j) {
-        const bool same_patch =
-            c.features.triangle_patch[result.samples[i].entity] == c.features.triangle_patch[result.samples[j].entity];
+        const bool same_patch = c.surface.features.triangle_patch[result.samples[i].entity] ==
+                                c.surface.features.triangle_patch[result.samples[j].entity];
         const bool same_side = axes.col(2).dot(result.frames[j] * Vector3::UnitZ()) > 0;
         const double distance =
             (axes.transpose() * (result.samples[j].point - result.samples[i].point)).cwiseAbs().maxCoeff();
@@ -147,10 +142,10 @@ TEST_CASE("sizes follow a graded field along a surface") {
 
 TEST_CASE("bad sizes and options of the surface stage are refused; an observer can stop it") {
   const Case c(box_surface({1, 1, 1}), Quaternion::Identity());
-  const auto curves = insert_curve_points(c.surface, c.features, constant(0.2));
+  const auto curves = insert_curve_points(c.surface, constant(0.2));
   const auto run = [&](double h, const SurfaceOptions& options = {}) {
     const auto size = constant(h);
-    return insert_surface_points(c.surface, c.adjacency, c.features, c.frames, {}, curves, size, options);
+    return insert_surface_points(c.surface, c.frames, {}, curves, size, options);
   };
   for (const double h : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) CHECK_THROWS_AS(run(h), invalid_field);
   CHECK_THROWS_WITH(run(1e-4), Catch::Contains("about 6e+08 points"));
@@ -171,21 +166,23 @@ TEST_CASE("arguments of another surface are refused") {
   const Case c(box_surface({1, 1, 1}), Quaternion::Identity());
   const Case other(box_surface({1, 1, 1}, 2, 2, 2), Quaternion::Identity());
   const auto size = constant(0.2);
-  const auto curves = insert_curve_points(c.surface, c.features, size);
+  const auto curves = insert_curve_points(c.surface, size);
   const auto run = [&](const FeatureGraph& features, std::span<const Quaternion> frames,
                        std::span<const double> smoothness, const CurveInsertion& samples) {
-    return insert_surface_points(c.surface, c.adjacency, features, frames, smoothness, samples, size);
+    const Surface surface(c.surface.points, c.surface.adjacency, features);
+    return insert_surface_points(surface, frames, smoothness, samples, size);
   };
-  CHECK_NOTHROW(run(c.features, c.frames, {}, curves));
-  CHECK_THROWS_WITH(run(c.features, std::span(c.frames).first(5), {}, curves), "there are 5 frames for 12 triangles");
-  CHECK_THROWS_AS(run(c.features, {}, {}, curves), invalid_option);
+  CHECK_NOTHROW(run(c.surface.features, c.frames, {}, curves));
+  CHECK_THROWS_WITH(run(c.surface.features, std::span(c.frames).first(5), {}, curves),
+                    "there are 5 frames for 12 triangles");
+  CHECK_THROWS_AS(run(c.surface.features, {}, {}, curves), invalid_option);
   const std::vector<double> smoothness(c.surface.points.size() - 1, 1.0);
-  CHECK_THROWS_AS(run(c.features, c.frames, smoothness, curves), invalid_option);
-  CHECK_THROWS_AS(run(other.features, c.frames, {}, curves), invalid_option);
-  CHECK_THROWS_AS(run(c.features, c.frames, {}, CurveInsertion{}), invalid_option);
+  CHECK_THROWS_AS(run(c.surface.features, c.frames, smoothness, curves), invalid_option);
+  CHECK_THROWS_AS(run(other.surface.features, c.frames, {}, curves), invalid_option);
+  CHECK_THROWS_AS(run(c.surface.features, c.frames, {}, CurveInsertion{}), invalid_option);
   CurveInsertion strange = curves;
   strange.samples.back().entity = 12;
-  CHECK_THROWS_AS(run(c.features, c.frames, {}, strange), invalid_option);
+  CHECK_THROWS_AS(run(c.surface.features, c.frames, {}, strange), invalid_option);
 }
 
 TEST_CASE("progress of the surface stage never falls") {

@@ -13,14 +13,18 @@ using namespace framehex::test;
 namespace {
 
 /// Any place on triangle t with any direction along it.
-SurfaceRay ray_on(const IndexedTriangleMesh& surface, const SurfaceWalker& walker, index_t t, double angle) {
-  const auto& v = surface.triangles[t];
+SurfaceRay ray_on(const Surface& surface, const SurfaceWalker& walker, index_t t, double angle) {
+  const auto& v = surface.triangles()[t];
   const Vector3 p = 0.5 * surface.points[v[0]] + 0.3 * surface.points[v[1]] + 0.2 * surface.points[v[2]];
   return walker.turned({t, p, walker.edge_direction(3 * t)}, angle);
 }
 
-double plane_distance(const IndexedTriangleMesh& surface, const SurfaceWalker& walker, const SurfaceRay& at) {
-  return std::abs((at.point - surface.points[surface.triangles[at.triangle][0]]).dot(walker.normal(at.triangle)));
+Surface without_features(const IndexedTriangleMesh& mesh) {
+  return {mesh.points, make_adjacency(mesh), {}};
+}
+
+double plane_distance(const Surface& surface, const SurfaceWalker& walker, const SurfaceRay& at) {
+  return std::abs((at.point - surface.points[surface.triangles()[at.triangle][0]]).dot(walker.normal(at.triangle)));
 }
 
 }  // namespace
@@ -29,9 +33,8 @@ TEST_CASE("a walk on a cylinder is straight on the unrolled cylinder") {
   // The mantle of a prism over a regular polygon unrolls without distortion: arc length along the polygon against
   // height.
   const int n = 24;
-  const auto surface = cylinder_surface(1, 3, n);
-  const auto adjacency = make_adjacency(surface);
-  const SurfaceWalker walker(surface, adjacency, {});
+  const Surface surface = without_features(cylinder_surface(1, 3, n));
+  const SurfaceWalker walker(surface);
   const double side = 2 * std::sin(std::numbers::pi / n);
   const auto unrolled = [&](const Vector3& p) {
     const double sector = 2 * std::numbers::pi / n;
@@ -41,7 +44,7 @@ TEST_CASE("a walk on a cylinder is straight on the unrolled cylinder") {
     const double within = std::tan(angle - (i + 0.5) * sector) * std::cos(0.5 * sector);
     return Eigen::Vector2d(side * i + 0.5 * side + within, p.z());
   };
-  const index_t mantle = static_cast<index_t>(surface.triangles.size()) - 2 * static_cast<index_t>(n) + 4;
+  const index_t mantle = static_cast<index_t>(surface.triangles().size()) - 2 * static_cast<index_t>(n) + 4;
   for (int k = 0; k < 40; ++k) {
     const SurfaceRay ray = ray_on(surface, walker, mantle, 0.15 * k);
     const double length = 0.55;  // the lid is 0.6 away
@@ -57,10 +60,9 @@ TEST_CASE("a walk on a cylinder is straight on the unrolled cylinder") {
 }
 
 TEST_CASE("a walk can be walked back") {
-  const auto surface = torus_surface(3, 1, 40, 20);
-  const auto adjacency = make_adjacency(surface);
-  const SurfaceWalker walker(surface, adjacency, {});
-  for (index_t t = 0; t < surface.triangles.size(); t += 37) {
+  const Surface surface = without_features(torus_surface(3, 1, 40, 20));
+  const SurfaceWalker walker(surface);
+  for (index_t t = 0; t < surface.triangles().size(); t += 37) {
     const SurfaceRay start = ray_on(surface, walker, t, 0.7 * t);
     SurfaceWalk there = walker.walk(start, 2.5);
     REQUIRE(there.wall == no_index);
@@ -73,10 +75,9 @@ TEST_CASE("a walk can be walked back") {
 }
 
 TEST_CASE("on a fine sphere a walk follows a great circle") {
-  const auto surface = sphere_surface(1, 5);
-  const auto adjacency = make_adjacency(surface);
-  const SurfaceWalker walker(surface, adjacency, {});
-  for (index_t t = 0; t < surface.triangles.size(); t += 509) {
+  const Surface surface = without_features(sphere_surface(1, 5));
+  const SurfaceWalker walker(surface);
+  for (index_t t = 0; t < surface.triangles().size(); t += 509) {
     const SurfaceRay start = ray_on(surface, walker, t, t);
     const SurfaceWalk walk = walker.walk(start, 1.0);
     const Vector3 expected = std::cos(1.0) * start.point.normalized() + std::sin(1.0) * start.direction;
@@ -85,12 +86,10 @@ TEST_CASE("on a fine sphere a walk follows a great circle") {
 }
 
 TEST_CASE("walks stop at walls, and pass through vertices and along edges of a plane") {
-  const auto surface = box_surface({4, 4, 1}, 4, 4, 1);
-  const auto adjacency = make_adjacency(surface);
-  const auto features = detect_features(surface, adjacency);
-  const SurfaceWalker walker(surface, adjacency, features.is_feature);
+  const Surface surface(box_surface({4, 4, 1}, 4, 4, 1));
+  const SurfaceWalker walker(surface);
   index_t top = 0;
-  while (walker.normal(top).z() < 0.5 || !surface.points[surface.triangles[top][0]].head<2>().isZero()) ++top;
+  while (walker.normal(top).z() < 0.5 || !surface.points[surface.triangles()[top][0]].head<2>().isZero()) ++top;
   const Vector3 corner(0, 0, 1);
   for (const auto& [x, y] : {std::pair{1.0, 1.0}, {2.0, 1.0}, {3.0, 1.0}, {1.0, 0.0}, {1.0, 0.5}, {0.0, 1.0}}) {
     const Vector3 d = Vector3(x, y, 0).normalized();
@@ -114,14 +113,12 @@ TEST_CASE("walks stop at walls, and pass through vertices and along edges of a p
 }
 
 TEST_CASE("the cross between triangles is exact for a field that turns linearly on a plane") {
-  const auto surface = box_surface({4, 4, 1}, 16, 16, 4);
-  const auto adjacency = make_adjacency(surface);
-  const auto features = detect_features(surface, adjacency);
-  const SurfaceWalker walker(surface, adjacency, features.is_feature);
+  const Surface surface(box_surface({4, 4, 1}, 16, 16, 4));
+  const SurfaceWalker walker(surface);
   const auto angle_at = [](const Vector3& p) { return 0.3 * p.x() - 0.2 * p.y(); };
   std::vector<Quaternion> frames;
-  for (index_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto& v = surface.triangles[t];
+  for (index_t t = 0; t < surface.triangles().size(); ++t) {
+    const auto& v = surface.triangles()[t];
     const Vector3 centre = (surface.points[v[0]] + surface.points[v[1]] + surface.points[v[2]]) / 3;
     const Quaternion to_normal = Quaternion::FromTwoVectors(Vector3::UnitZ(), walker.normal(t));
     // Quarter turns are the same cross.
@@ -129,9 +126,9 @@ TEST_CASE("the cross between triangles is exact for a field that turns linearly 
   }
   std::vector<double> smoothness(surface.points.size());
   for (std::size_t v = 0; v < smoothness.size(); ++v) smoothness[v] = 0.1 * surface.points[v].x() + 0.2;
-  const CrossSampler cross(surface, adjacency, walker, frames, smoothness);
+  const CrossSampler cross(surface, walker, frames, smoothness);
   std::size_t checked = 0;
-  for (index_t t = 0; t < surface.triangles.size(); ++t) {
+  for (index_t t = 0; t < surface.triangles().size(); ++t) {
     const SurfaceRay at = ray_on(surface, walker, t, 0);
     const Vector3 inner = Vector3(2, 2, at.point.z()) - at.point;
     if (walker.normal(t).z() < 0.5 || inner.cwiseAbs().maxCoeff() > 1.6) continue;

@@ -121,12 +121,11 @@ TEMPLATE_TEST_CASE("in a box with a constant field the points are the lattice", 
 TEMPLATE_TEST_CASE("curves, surface and volume together give the lattice of a box", "", FifoOrder, SmoothnessOrder) {
   const double h = 0.1;
   for (const Quaternion& q : {Quaternion::Identity(), tilted}) {
-    const auto surface = turned(box_surface({0.8, 0.5, 0.7}, 3, 2, 4), q);
-    const auto adjacency = make_adjacency(surface);
-    const auto features = detect_features(surface, adjacency);
+    const auto mesh = turned(box_surface({0.8, 0.5, 0.7}, 3, 2, 4), q);
+    const Surface surface(mesh);
     const auto size = constant(h);
-    const auto on_surface = insert_surface_points<TestType>(surface, adjacency, features, triangle_frames(surface, q),
-                                                            {}, insert_curve_points(surface, features, size), size);
+    const auto on_surface = insert_surface_points<TestType>(surface, triangle_frames(mesh, q), {},
+                                                            insert_curve_points(surface, size), size);
     const SurfaceLocator locator(surface);
     const auto result =
         insert_volume_points<TestType>(on_surface.seeds(), ConstantFrames{q}, size, SurfaceDomain{locator});

@@ -4,8 +4,6 @@
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
-#include "framehex/mesh/adjacency.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "support/surfaces.hpp"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/mesh/indexed_mesh.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
 #include <cmath>
@@ -13,8 +12,8 @@ namespace framehex::test {
 
 /// Corners, curves cut in equal intervals of about h, and random points no nearer than 0.75 h to any other: what a
 /// surface inserter makes, without its order.
-inline std::vector<SurfaceSample> scatter_samples(const IndexedTriangleMesh& surface, const FeatureGraph& features,
-                                                  double h, std::uint64_t seed = 1) {
+inline std::vector<SurfaceSample> scatter_samples(const Surface& surface, double h, std::uint64_t seed = 1) {
+  const FeatureGraph& features = surface.features;
   std::vector<SurfaceSample> samples;
   std::map<std::array<long, 3>, std::vector<Vector3>> grid;
   const auto cell = [&](const Vector3& p) {
@@ -48,7 +47,7 @@ inline std::vector<SurfaceSample> scatter_samples(const IndexedTriangleMesh& sur
   std::mt19937_64 engine(seed);
   const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
   std::vector<double> sum{0};
-  for (const auto& t : surface.triangles)
+  for (const auto& t : surface.triangles())
     sum.push_back(
         sum.back() +
         (surface.points[t[1]] - surface.points[t[0]]).cross(surface.points[t[2]] - surface.points[t[0]]).norm() / 2);
@@ -61,7 +60,7 @@ inline std::vector<SurfaceSample> scatter_samples(const IndexedTriangleMesh& sur
       u = 1 - u;
       v = 1 - v;
     }
-    const auto& c = surface.triangles[t];
+    const auto& c = surface.triangles()[t];
     const Vector3 p = surface.points[c[0]] + u * (surface.points[c[1]] - surface.points[c[0]]) +
                       v * (surface.points[c[2]] - surface.points[c[0]]);
     bool far = true;

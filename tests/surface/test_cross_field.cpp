@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 
 #include "framehex/surface/cross_field.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "support/ply.hpp"
 #include "support/stl.hpp"
@@ -14,17 +13,13 @@ using namespace framehex;
 namespace {
 
 struct Case {
-  IndexedTriangleMesh surface;
-  TriangleAdjacency adjacency;
-  FeatureGraph features;
+  Surface surface;
   SurfaceCrossField field;
 };
 
 Case solve(const IndexedTriangleMesh& coarse, double length, const CrossFieldOptions& options = {}) {
-  const FeatureGraph features = detect_features(coarse, make_adjacency(coarse));
-  RefinedSurface fine = refine(coarse, features, [&](const Vector3&) { return length; });
-  Case c{fine.surface, make_adjacency(fine.surface), fine.features, {}};
-  c.field = compute_cross_field(c.surface, c.adjacency, c.features, options);
+  Case c{refine(coarse, [&](const Vector3&) { return length; }).surface, {}};
+  c.field = compute_cross_field(c.surface, options);
   return c;
 }
 
@@ -35,9 +30,9 @@ int index_sum(const SurfaceCrossField& field) {
 }
 
 void check_frames(const Case& c) {
-  REQUIRE(c.field.frames.size() == c.surface.triangles.size());
+  REQUIRE(c.field.frames.size() == c.surface.triangles().size());
   for (std::size_t t = 0; t < c.field.frames.size(); ++t) {
-    const auto& v = c.surface.triangles[t];
+    const auto& v = c.surface.triangles()[t];
     CHECK(c.field.frames[t].norm() == Approx(1).margin(1e-12));
     const Vector3 n = (c.surface.points[v[1]] - c.surface.points[v[0]])
                           .cross(c.surface.points[v[2]] - c.surface.points[v[0]])
@@ -52,7 +47,7 @@ template <class Direction>
 double worst_misalignment(const Case& c, Direction&& direction) {
   double worst = 0;
   for (std::size_t t = 0; t < c.field.frames.size(); ++t) {
-    const auto& v = c.surface.triangles[t];
+    const auto& v = c.surface.triangles()[t];
     const Vector3 centre = (c.surface.points[v[0]] + c.surface.points[v[1]] + c.surface.points[v[2]]) / 3;
     const Vector3 d = direction(centre, Vector3(c.field.frames[t] * Vector3::UnitZ()));
     const double cosine = std::max(std::abs((c.field.frames[t] * Vector3::UnitX()).dot(d)),
@@ -160,7 +155,7 @@ TEST_CASE("the field turns with the surface") {
     const Case before = solve(surface, 0.5);
     Case after = before;
     for (Vector3& p : after.surface.points) p = turn * p + Vector3(3, -1, 2);
-    after.field = compute_cross_field(after.surface, after.adjacency, after.features);
+    after.field = compute_cross_field(after.surface);
     for (std::size_t v = 0; v < before.field.smoothness.size(); ++v)
       CHECK(after.field.smoothness[v] == Approx(before.field.smoothness[v]).margin(1e-6));
     for (std::size_t t = 0; t < before.field.frames.size(); ++t) {
@@ -176,7 +171,7 @@ TEST_CASE("the field is finite on triangles without area") {
   IndexedTriangleMesh surface = test::box_surface({1, 1, 1});
   // A vertex on a diagonal, joined by a flat triangle.
   const TriangleAdjacency a = make_adjacency(surface);
-  const FeatureGraph features = detect_features(surface, a);
+  const FeatureGraph features = detect_features(surface);
   index_t h = 0;
   while (features.is_feature[h]) ++h;
   const auto v = static_cast<index_t>(surface.points.size());
@@ -184,9 +179,8 @@ TEST_CASE("the field is finite on triangles without area") {
   surface.triangles[h / 3] = {a.from(h), v, a.apex(h)};
   surface.triangles.push_back({v, a.to(h), a.apex(h)});
   surface.triangles.push_back({a.from(h), a.to(h), v});
-  const TriangleAdjacency b = make_adjacency(surface);
-  const SurfaceCrossField field = compute_cross_field(surface, b, detect_features(surface, b));
+  const SurfaceCrossField field = compute_cross_field(surface);
   for (const Quaternion& q : field.frames) CHECK(q.norm() == Approx(1));
   CHECK(index_sum(field) == 8);
-  CHECK_THROWS_AS(compute_cross_field(surface, b, detect_features(surface, b), {.curvature = -1}), invalid_option);
+  CHECK_THROWS_AS(compute_cross_field(surface, {.curvature = -1}), invalid_option);
 }

@@ -52,11 +52,9 @@ void check_structure(const EditableSurface& s) {
 TEST_CASE("random edits keep the structure, its sectors and the topology") {
   for (const auto& surface : {test::box_surface({1, 2, 3}, 2, 2, 2), test::torus_surface(1, 0.4, 8, 6),
                               test::l_shape_surface(), test::cylinder_surface(1, 1, 12)}) {
-    const TriangleAdjacency adjacency = make_adjacency(surface);
-    const FeatureGraph features = detect_features(surface, adjacency);
-    EditableSurface s(surface, adjacency, features);
+    EditableSurface s{Surface(surface)};
     check_structure(s);
-    detail::SectorNormals normals(s, adjacency);
+    detail::SectorNormals normals(s, make_adjacency(surface));
     detail::VertexRemover remover(s, normals);
     std::mt19937_64 engine(5);
     const long chi = test::euler_characteristic(surface);

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 
 #include "framehex/mesh/validation.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "support/stl.hpp"
 #include "support/surface_checks.hpp"
@@ -13,10 +12,9 @@ using namespace framehex;
 namespace {
 
 /// What every feature graph must satisfy, from its definition.
-void check_consistent(const IndexedTriangleMesh& surface, const FeatureGraph& graph) {
-  const TriangleAdjacency a = make_adjacency(surface);
+void check_consistent(const TriangleAdjacency& a, const FeatureGraph& graph) {
   REQUIRE(graph.is_feature.size() == a.opposite.size());
-  REQUIRE(graph.triangle_patch.size() == surface.triangles.size());
+  REQUIRE(graph.triangle_patch.size() == a.triangles.size());
   std::size_t n_edges = 0, n_on_curves = 0;
   for (index_t h = 0; h < a.opposite.size(); ++h) {
     const index_t twin = a.opposite[h];
@@ -48,9 +46,9 @@ void check_consistent(const IndexedTriangleMesh& surface, const FeatureGraph& gr
   for (const index_t patch : graph.triangle_patch) CHECK(patch < graph.n_patches);
 }
 
-FeatureGraph detect(const IndexedTriangleMesh& surface, const FeatureOptions& options = {}) {
-  return detect_features(surface, make_adjacency(surface), options);
-}
+const auto detect = [](const IndexedTriangleMesh& mesh, const FeatureOptions& options = {}) {
+  return detect_features(mesh, options);
+};
 
 }  // namespace
 
@@ -58,7 +56,7 @@ TEST_CASE("a box has 8 corners, 12 curves and 6 patches") {
   for (const int n : {1, 3}) {
     const auto surface = test::box_surface({1, 2, 3}, n, n + 1, 2 * n);
     const FeatureGraph graph = detect(surface);
-    check_consistent(surface, graph);
+    check_consistent(make_adjacency(surface), graph);
     CHECK(graph.corners.size() == 8);
     CHECK(graph.curves.size() == 12);
     CHECK(graph.n_patches == 6);
@@ -68,7 +66,7 @@ TEST_CASE("a box has 8 corners, 12 curves and 6 patches") {
 TEST_CASE("a cylinder has two closed curves and three patches") {
   const auto surface = test::cylinder_surface(0.5, 2, 40);
   const FeatureGraph graph = detect(surface);
-  check_consistent(surface, graph);
+  check_consistent(make_adjacency(surface), graph);
   CHECK(graph.corners.empty());
   REQUIRE(graph.curves.size() == 2);
   CHECK(graph.curves[0].size() == 41);
@@ -81,7 +79,7 @@ TEST_CASE("smooth surfaces and scans have no features") {
   CHECK(detect(test::torus_surface(1, 0.4, 30, 20)).curves.size() == 0);
   const auto bunny = test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
   const FeatureGraph graph = detect(bunny);
-  check_consistent(bunny, graph);
+  check_consistent(make_adjacency(bunny), graph);
   CHECK(graph.curves.size() == 0);
   CHECK(graph.n_patches == 1);
 }
@@ -90,7 +88,7 @@ TEST_CASE("given edges are kept, whatever their angle, their length and the nois
   const auto bunny = test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
   const auto& t = bunny.triangles[100];
   const FeatureGraph graph = detect(bunny, {.given_edges = {{t[1], t[0]}}});
-  check_consistent(bunny, graph);
+  check_consistent(make_adjacency(bunny), graph);
   REQUIRE(graph.curves.size() == 1);
   CHECK(graph.corners.size() == 2);
   CHECK(graph.is_feature[300] == 1);
@@ -99,7 +97,7 @@ TEST_CASE("given edges are kept, whatever their angle, their length and the nois
   const FeatureGraph split = detect(box, {.given_edges = {{box.triangles[0][0], box.triangles[0][1]},
                                                           {box.triangles[0][1], box.triangles[0][2]},
                                                           {box.triangles[0][2], box.triangles[0][0]}}});
-  check_consistent(box, split);
+  check_consistent(make_adjacency(box), split);
   CHECK(split.n_patches == 7);
   CHECK_THROWS_AS(detect(box, {.given_edges = {{0, 0}}}), invalid_option);
   CHECK_THROWS_AS(detect(box, {.given_edges = {{0, 99}}}), invalid_option);
@@ -111,7 +109,7 @@ TEST_CASE("a planar domain's rim is its feature curve, with corners where it tur
   square.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
   square.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   const FeatureGraph graph = detect(square);
-  check_consistent(square, graph);
+  check_consistent(make_adjacency(square), graph);
   CHECK(graph.corners == std::vector<index_t>{0, 1, 2, 3});
   CHECK(graph.curves.size() == 4);
 }
@@ -131,7 +129,7 @@ TEST_CASE("a triangle without area does not make a feature of a smooth edge") {
   surface.triangles.push_back({from, to, v});  // flat
   validate_closed(surface);
   const FeatureGraph after = detect(surface);
-  check_consistent(surface, after);
+  check_consistent(make_adjacency(surface), after);
   CHECK(after.curves.size() == 12);
   CHECK(after.n_patches == 6);
 }
@@ -145,23 +143,22 @@ TEST_CASE("refining keeps the shape, the features and the parents") {
     for (const Case& c : {Case{test::box_surface({1, 1, 1}), 0.11}, Case{test::cylinder_surface(0.5, 2, 24), 0.1},
                           Case{test::l_shape_surface(), 0.2}, Case{test::torus_surface(1, 0.4, 12, 8), 0.2}}) {
       const FeatureGraph features = detect(c.surface);
-      const RefinedSurface fine =
-          refine(c.surface, features, [&](const Vector3&) { return c.length; }, {.flips = flips});
+      const RefinedSurface fine = refine(c.surface, [&](const Vector3&) { return c.length; }, {.flips = flips});
       validate_closed(fine.surface);
-      check_consistent(fine.surface, fine.features);
-      CHECK(fine.features.corners == features.corners);
-      CHECK(fine.features.curves.size() == features.curves.size());
-      CHECK(fine.features.n_patches == features.n_patches);
+      check_consistent(fine.surface.adjacency, fine.surface.features);
+      CHECK(fine.surface.features.corners == features.corners);
+      CHECK(fine.surface.features.curves.size() == features.curves.size());
+      CHECK(fine.surface.features.n_patches == features.n_patches);
       CHECK(test::euler_characteristic(fine.surface) == test::euler_characteristic(c.surface));
       CHECK(test::enclosed_volume(fine.surface) == Approx(test::enclosed_volume(c.surface)));
       double longest = 0;
       std::vector<double> area(c.surface.triangles.size(), 0);
-      for (std::size_t t = 0; t < fine.surface.triangles.size(); ++t) {
-        const auto& v = fine.surface.triangles[t];
+      for (std::size_t t = 0; t < fine.surface.triangles().size(); ++t) {
+        const auto& v = fine.surface.triangles()[t];
         for (std::size_t i = 0; i < 3; ++i)
           longest = std::max(longest, (fine.surface.points[v[i]] - fine.surface.points[v[(i + 1) % 3]]).norm());
         area[fine.parent[t]] += test::area(fine.surface, t);
-        CHECK(fine.features.triangle_patch[t] == features.triangle_patch[fine.parent[t]]);
+        CHECK(fine.surface.features.triangle_patch[t] == features.triangle_patch[fine.parent[t]]);
       }
       CHECK(longest <= c.length);
       if (flips == RefinementFlips::in_planes) continue;
@@ -171,23 +168,20 @@ TEST_CASE("refining keeps the shape, the features and the parents") {
 
 TEST_CASE("needles of CAD are refined into few and good triangles") {
   for (const auto& surface : {test::cylinder_surface(0.5, 2, 60), test::l_shape_surface()}) {
-    const FeatureGraph features = detect(surface);
     const double length = 0.1;
-    const RefinedSurface fine = refine(surface, features, [&](const Vector3&) { return length; });
+    const RefinedSurface fine = refine(surface, [&](const Vector3&) { return length; });
     double total = 0;
-    for (std::size_t t = 0; t < fine.surface.triangles.size(); ++t) total += test::area(fine.surface, t);
+    for (std::size_t t = 0; t < fine.surface.triangles().size(); ++t) total += test::area(fine.surface, t);
     // Equilateral triangles with edges of 0.7 of the allowed length fill the surface, but for short input edges.
-    CHECK(static_cast<double>(fine.surface.triangles.size()) < 2 * total / (0.433 * 0.49 * length * length));
+    CHECK(static_cast<double>(fine.surface.triangles().size()) < 2 * total / (0.433 * 0.49 * length * length));
   }
 }
 
 TEST_CASE("refining refuses lengths that make no sense") {
   const auto surface = test::box_surface({1, 1, 1});
-  const FeatureGraph features = detect(surface);
   for (const double length : {0.0, -1.0, std::nan("")})
-    CHECK_THROWS_AS(refine(surface, features, [&](const Vector3&) { return length; }), invalid_field);
-  CHECK_THROWS_AS(refine(surface, features, [](const Vector3&) { return 1e-4; }, {.max_triangles = 10000}),
-                  invalid_option);
-  const auto same = refine(surface, features, [](const Vector3&) { return 1e300 * 1e300; });
-  CHECK(same.surface.triangles == surface.triangles);
+    CHECK_THROWS_AS(refine(surface, [&](const Vector3&) { return length; }), invalid_field);
+  CHECK_THROWS_AS(refine(surface, [](const Vector3&) { return 1e-4; }, {.max_triangles = 10000}), invalid_option);
+  const auto same = refine(surface, [](const Vector3&) { return 1e300 * 1e300; });
+  CHECK(same.surface.triangles() == surface.triangles);
 }

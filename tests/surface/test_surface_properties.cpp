@@ -53,17 +53,15 @@ void holds(Property&& property) {
 
 TEST_CASE("any surface, refined or not, is retriangulated through any scattered samples") {
   holds([] {
-    IndexedTriangleMesh surface = any_surface();
+    Surface surface = any_surface();
     const double h = 0.1 * *rc::gen::inRange(1, 8);
-    FeatureGraph features = detect_features(surface, make_adjacency(surface));
     if (*rc::gen::inRange(0, 2) == 1) {
-      RefinedSurface fine = refine(surface, features, [h](const Vector3&) { return h; });
+      RefinedSurface fine = refine(surface, [h](const Vector3&) { return h; });
       RC_ASSERT(std::abs(test::enclosed_volume(fine.surface) - test::enclosed_volume(surface)) < 1e-9);
       surface = std::move(fine.surface);
-      features = std::move(fine.features);
     }
-    const auto samples = test::scatter_samples(surface, features, h, *rc::gen::inRange<std::uint64_t>(0, 1000));
-    const Retriangulation r = retriangulate(surface, features, samples);
+    const auto samples = test::scatter_samples(surface, h, *rc::gen::inRange<std::uint64_t>(0, 1000));
+    const Retriangulation r = retriangulate(surface, samples);
     validate_closed(r.surface);
     RC_ASSERT(test::euler_characteristic(r.surface) == test::euler_characteristic(surface));
     RC_ASSERT(r.surface.points.size() == samples.size() + r.n_unremoved + r.n_added);
@@ -72,7 +70,7 @@ TEST_CASE("any surface, refined or not, is retriangulated through any scattered 
     RC_ASSERT(r.n_crossings == 0u);
     RC_ASSERT(test::enclosed_volume(r.surface) > 0);
 
-    const Retriangulation same = retriangulate(surface, features, samples);
-    RC_ASSERT(same.surface.triangles == r.surface.triangles);
+    const Retriangulation same = retriangulate(surface, samples);
+    RC_ASSERT(same.surface.triangles() == r.surface.triangles());
   });
 }

@@ -103,9 +103,8 @@ inline std::vector<OpenInterface> list_open(const CellComplex& complex, const Mi
 /// @param options     mode, quality bounds (scaled Jacobians), labels.
 /// @pre `validate(mesh)` passes.
 /// @return cells that fill the same domain, all valid by the exact test; in the two conforming modes no quadrilateral
-/// faces a
-///         triangle. New vertices are inside only; vertices of the boundary stay, unless improvement may move them.
-///         When the observer stops it: nothing, and `status` says so.
+///         faces a triangle. New vertices are inside only; vertices of the boundary stay, unless improvement may move
+///         them. When the observer stops it: nothing, and `status` says so.
 /// @throws incompatible_selection  with one candidate that does not fit the mesh, or two that do not fit together.
 /// @throws invalid_option          labels of the wrong size or out of range.
 /// @par Complexity   O(n) but for the search of places for new vertices, which is bounded per open quadrilateral.

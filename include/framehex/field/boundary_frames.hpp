@@ -4,9 +4,7 @@
 #include "framehex/errors.hpp"
 #include "framehex/field/cube_rotation_group.hpp"
 #include "framehex/geometry/rotation.hpp"
-#include "framehex/mesh/adjacency.hpp"
-#include "framehex/mesh/indexed_mesh.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -105,10 +103,13 @@ inline FrameFit fit_frame(Quaternion frame, std::span<const WeightedDirection> d
 /// One vertex of the surface and what surrounds it, with scratch memory for the next.
 class BoundaryFrameBuilder {
 public:
-  BoundaryFrameBuilder(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                       const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+  BoundaryFrameBuilder(const Surface& surface, std::span<const Quaternion> triangle_frames,
                        const BoundaryFrameOptions& options)
-      : surface_(surface), adjacency_(adjacency), features_(features), crosses_(triangle_frames), options_(options) {}
+      : surface_(surface),
+        adjacency_(surface.adjacency),
+        features_(surface.features),
+        crosses_(triangle_frames),
+        options_(options) {}
 
   void build(index_t v, BoundaryFrames& out) {
     gather(v);
@@ -243,7 +244,7 @@ private:
     }
   }
 
-  const IndexedTriangleMesh& surface_;
+  const Surface& surface_;
   const TriangleAdjacency& adjacency_;
   const FeatureGraph& features_;
   std::span<const Quaternion> crosses_;
@@ -261,7 +262,7 @@ private:
 /// squares of angles, to the normals of the parts that meet there and to the tangents of the curves: normals that are
 /// not orthogonal to one another are so met half way and not forced.
 ///
-/// @param surface, adjacency, features  the surface; `features.is_feature` may be empty (no features).
+/// @param surface          its `features.is_feature` may be empty (no features).
 /// @param triangle_frames  n_triangles unit quaternions, z the outward normal, x and y the cross.
 /// @return per vertex; a vertex without triangles has the constraint `none`.
 /// @throws invalid_field  with the triangle whose frame is not a unit quaternion, or the vertex that has only triangles
@@ -269,13 +270,13 @@ private:
 /// @par Complexity   O(n).
 /// @par Source       The paper, section 3.3 (the boundary condition). Departs: features and corners, of which the paper
 ///                   does not speak.
-inline BoundaryFrames make_boundary_frames(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                                           const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+inline BoundaryFrames make_boundary_frames(const Surface& surface, std::span<const Quaternion> triangle_frames,
                                            const BoundaryFrameOptions& options = {}) {
-  if (triangle_frames.size() != surface.triangles.size())
+  const std::size_t n_triangles = surface.triangles().size();
+  if (triangle_frames.size() != n_triangles)
     throw invalid_option("there are " + std::to_string(triangle_frames.size()) + " frames for " +
-                         std::to_string(surface.triangles.size()) + " triangles");
-  if (!features.is_feature.empty() && features.is_feature.size() != 3 * surface.triangles.size())
+                         std::to_string(n_triangles) + " triangles");
+  if (!surface.features.is_feature.empty() && surface.features.is_feature.size() != 3 * n_triangles)
     throw invalid_option("the features are not those of this surface");
   for (std::size_t t = 0; t < triangle_frames.size(); ++t)
     if (!(std::abs(triangle_frames[t].norm() - 1) < 1e-6))
@@ -285,7 +286,7 @@ inline BoundaryFrames make_boundary_frames(const IndexedTriangleMesh& surface, c
   out.frames.assign(surface.points.size(), Quaternion::Identity());
   out.constraints.assign(surface.points.size(), FrameConstraint::none);
   out.axes.assign(surface.points.size(), Vector3::Zero());
-  detail::BoundaryFrameBuilder builder(surface, adjacency, features, triangle_frames, options);
+  detail::BoundaryFrameBuilder builder(surface, triangle_frames, options);
   for (index_t v = 0; v < surface.points.size(); ++v) builder.build(v, out);
   return out;
 }

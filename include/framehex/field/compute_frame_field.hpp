@@ -5,7 +5,7 @@
 #include "framehex/mesh/boundary.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/surface/cross_field.hpp"
-#include "framehex/surface/feature_detection.hpp"
+#include "framehex/surface/surface.hpp"
 
 namespace framehex {
 
@@ -54,10 +54,9 @@ Options observed_by(Options options, const Observer& observer) {
 
 /// Constrains a new field and carries out a method.
 template <class Mesh, class E>
-FieldReport fill_field(FrameField<Mesh>& field, const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                       const FeatureGraph& features, std::span<const Quaternion> triangle_frames,
+FieldReport fill_field(FrameField<Mesh>& field, const Surface& surface, std::span<const Quaternion> triangle_frames,
                        const FieldOptions& options, const E& executor) {
-  const BoundaryFrames boundary = make_boundary_frames(surface, adjacency, features, triangle_frames, options.boundary);
+  const BoundaryFrames boundary = make_boundary_frames(surface, triangle_frames, options.boundary);
   field.constrain(boundary, options.vertex_of);
   if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
   // A harmonic start does not look at the frames inside.
@@ -90,27 +89,31 @@ FieldReport fill_field(FrameField<Mesh>& field, const IndexedTriangleMesh& surfa
 /// The field of a background mesh from the crosses of its surface.
 ///
 /// @param mesh             tetrahedra filling `surface`; vertices of its boundary that `options.vertex_of` does not
-/// name
-///                         are free.
-/// @param surface, features  outward triangles and their features.
+///                         name are free.
+/// @param adjacency        of `mesh`, for those who have it.
+/// @param surface          outward.
 /// @param triangle_frames  n_triangles unit quaternions, z the outward normal (`SurfaceCrossField::frames`).
 /// @param executor         results do not depend on it.
 /// @param report           receives the course of the computation; may be null.
 /// @return a field without NaN, all quaternions unit; also when cancelled (`report->status`).
 /// @pre `validate(mesh)` passes.
-/// @throws nonmanifold, invalid_field, invalid_option  as `make_adjacency`, `make_boundary_frames`,
-///                         `FrameField::constrain`, `smooth_frames`, `diffuse_frames`; entities are numbered in the
-///                         surface.
+/// @throws invalid_field, invalid_option  as `make_boundary_frames`, `FrameField::constrain`, `smooth_frames`,
+///                         `diffuse_frames`; entities are numbered in the surface.
 /// @par Complexity   see `start_nearest`, `smooth_frames`, `diffuse_frames`.
 template <TetMesh Mesh, Executor E = SerialExecutor>
-FrameField<Mesh> compute_frame_field(const Mesh& mesh, const IndexedTriangleMesh& surface, const FeatureGraph& features,
+FrameField<Mesh> compute_frame_field(const Mesh& mesh, TetAdjacency adjacency, const Surface& surface,
                                      std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},
                                      const E& executor = {}, FieldReport* report = nullptr) {
-  FrameField<Mesh> field(mesh);
-  FieldReport course =
-      detail::fill_field(field, surface, make_adjacency(surface), features, triangle_frames, options, executor);
+  FrameField<Mesh> field(mesh, std::move(adjacency));
+  FieldReport course = detail::fill_field(field, surface, triangle_frames, options, executor);
   if (report) *report = std::move(course);
   return field;
+}
+template <TetMesh Mesh, Executor E = SerialExecutor>
+FrameField<Mesh> compute_frame_field(const Mesh& mesh, const Surface& surface,
+                                     std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},
+                                     const E& executor = {}, FieldReport* report = nullptr) {
+  return compute_frame_field(mesh, make_adjacency(mesh), surface, triangle_frames, options, executor, report);
 }
 
 /// Options of a field for a host's mesh alone.
@@ -128,17 +131,14 @@ struct MeshFieldOptions {
 template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
                                      FieldReport* report = nullptr) {
-  validate(mesh);
-  FrameField<Mesh> result(mesh);
+  FrameField<Mesh> result(mesh, validated_adjacency(mesh));
   const BoundarySurface boundary = extract_boundary(mesh, result.adjacency());
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
   try {
-    const TriangleAdjacency adjacency = make_adjacency(boundary.surface);
-    const FeatureGraph features = detect_features(boundary.surface, adjacency, options.features);
-    const SurfaceCrossField crosses = compute_cross_field(boundary.surface, adjacency, features, options.cross_field);
-    FieldReport course =
-        detail::fill_field(result, boundary.surface, adjacency, features, crosses.frames, field, executor);
+    const Surface surface(boundary.surface, options.features);
+    const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
+    FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
     if (report) *report = std::move(course);
     return result;
   } catch (const nonmanifold& e) {
@@ -160,11 +160,11 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& o
 /// @return per triangle, z the outward normal, x and y the cross; the mean of its three corners' frames turned to the
 ///         normal.
 template <TetMesh Mesh>
-std::vector<Quaternion> surface_crosses(const FrameField<Mesh>& field, const IndexedTriangleMesh& surface,
+std::vector<Quaternion> surface_crosses(const FrameField<Mesh>& field, const Surface& surface,
                                         std::span<const index_t> vertex_of = {}) {
   std::vector<Quaternion> crosses;
-  crosses.reserve(surface.triangles.size());
-  for (const auto& t : surface.triangles) {
+  crosses.reserve(surface.triangles().size());
+  for (const auto& t : surface.triangles()) {
     std::array<Quaternion, 3> frames;
     std::array<double, 3> weights{1, 1, 1};
     for (std::size_t i = 0; i < 3; ++i) {

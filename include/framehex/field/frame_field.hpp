@@ -90,7 +90,7 @@ public:
 
   /// Start from the nearest boundary point; see `framehex::start_nearest`.
   template <Executor E = SerialExecutor>
-  void start_nearest(const IndexedTriangleMesh& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
+  void start_nearest(const Surface& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                      const E& executor = {}) {
     framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_, executor);
     smoothness_ = frame_smoothness(adjacency(), frames_, executor);

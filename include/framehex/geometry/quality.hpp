@@ -30,8 +30,7 @@ inline double normalised_determinant(const Vector3& x, const Vector3& y, const V
 ///         regular tetrahedron 0.71: the value is not scaled to 1 for the other kinds. A null edge gives 0.
 /// @par Complexity   O(1).
 /// @par Source       Stimpson et al., The Verdict geometric quality library, Sandia SAND2007-1751, hexahedra without
-/// the
-///                   centre.
+///                   the centre.
 inline double scaled_jacobian(CellKind kind, std::span<const Vector3> corners) {
   double least = 1;
   const auto at = [&](std::int8_t i) -> const Vector3& { return corners[static_cast<std::size_t>(i)]; };
@@ -63,8 +62,7 @@ inline double scaled_jacobian_with_centre(std::span<const Vector3> corners) {
 /// @param corners  n_corners(kind) points, in the order of geometry/cell_kinds.hpp.
 /// @pre finite coordinates.
 /// @return the flux of x/3 through the faces, a quadrilateral being its bilinear patch: what two cells share cancels,
-/// so
-///         that the cells of a conforming mesh add up to the volume inside its boundary; for a hexahedron it is the
+///         so that the cells of a conforming mesh add up to the volume inside its boundary; for a hexahedron it is the
 ///         integral of the Jacobian of its trilinear map.
 /// @par Complexity   O(1).
 inline double cell_volume(CellKind kind, std::span<const Vector3> corners) {

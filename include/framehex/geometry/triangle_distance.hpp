@@ -48,8 +48,7 @@ inline TrianglePoint nearest_on_rim(const Vector3& p, const Vector3& a, const Ve
 /// @return the point with its barycentric weights.
 /// @par Complexity   O(1), no trigonometry.
 /// @par Source       C. Ericson, Real-Time Collision Detection (2005), section 5.1.5. Departs: a triangle so thin that
-/// the
-///                   projection on its plane is all rounding error falls back on its three edges.
+///                   the projection on its plane is all rounding error falls back on its three edges.
 inline TrianglePoint nearest_on_triangle(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "framehex/insertion/estimate.hpp"
-#include "framehex/mesh/indexed_mesh.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
 #include <algorithm>
@@ -144,9 +143,8 @@ private:
 /// one; a closed curve the nearest multiple of `closed_multiple`, at least four. Two curves between the same corners
 /// get two intervals at least and a loop at a corner three, or no triangulation could tell them apart.
 ///
-/// @param surface   the triangulated surface, coordinates in the host's unit.
-/// @param features  its corners and curves.
-/// @param size      wished distance between neighbours at a point, host's unit.
+/// @param surface  coordinates in the host's unit.
+/// @param size     wished distance between neighbours at a point, host's unit.
 /// @return corners and samples; those of a curve lie on its segments, exactly where these are straight.
 /// @throws invalid_field   when the size at a point is not positive and finite.
 /// @throws invalid_option  with the estimate when more than `max_points` would result.
@@ -154,8 +152,8 @@ private:
 /// @par Source       Remacle et al., Int. J. Numer. Meth. Engng 94 (2013) 494-512, section 4. Departs: parity, least
 /// counts.
 template <SizeField Size>
-CurveInsertion insert_curve_points(const IndexedTriangleMesh& surface, const FeatureGraph& features, const Size& size,
-                                   const CurveOptions& options = {}) {
+CurveInsertion insert_curve_points(const Surface& surface, const Size& size, const CurveOptions& options = {}) {
+  const FeatureGraph& features = surface.features;
   if (options.closed_multiple == 0) throw invalid_option("closed_multiple must be at least 1");
   detail::check_factor("max_turn", options.max_turn, 1e-3, 1e3);
   const auto is_corner = [&](index_t v) {

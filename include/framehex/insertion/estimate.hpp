@@ -19,8 +19,9 @@ struct PointEstimate {
 ///
 /// @throws invalid_field  when a size is not positive and finite.
 /// @par Complexity   O(triangles) evaluations of `size`.
-template <SizeField Size>
-PointEstimate estimate_surface_points(const IndexedTriangleMesh& surface, const Size& size) {
+template <TriangleMesh M, SizeField Size>
+PointEstimate estimate_surface_points(const M& mesh, const Size& size) {
+  const auto& surface = detail::flat(mesh);
   PointEstimate result;
   for (const auto& t : surface.triangles) {
     const Vector3 &a = surface.points[t[0]], &b = surface.points[t[1]], &c = surface.points[t[2]];

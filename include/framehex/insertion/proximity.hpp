@@ -34,8 +34,7 @@ concept ProximityFilter = std::constructible_from<F, double> &&
 /// ones.
 ///
 /// @par Complexity   Expected O(1) an insertion, O(points found + cells of the box) a search; about 60 bytes a point in
-/// a
-///                   volume with one point a cell.
+///                   a volume with one point a cell.
 /// @par Determinism  Does not depend on addresses; the order of a visit depends on the order of insertions and moves
 /// only.
 class HashGrid {

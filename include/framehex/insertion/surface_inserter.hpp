@@ -33,25 +33,25 @@ namespace framehex {
 template <InsertionOrder Order, SizeField Size, ProximityFilter Proximity = HashGrid>
 class SurfaceInserter {
 public:
-  /// @param surface, adjacency, features  n triangles; kept by reference, as is `size`.
+  /// @param surface     n triangles; kept by reference, as is `size`.
   /// @param frames      n; z is the outward normal, x and y the cross.
   /// @param smoothness  n_vertices, or empty.
-  /// @param curves      samples of the corners and curves of `features`.
+  /// @param curves      samples of the corners and curves of `surface`.
   /// @throws invalid_option  options out of range, arguments that belong to another surface as far as their numbers
-  /// tell,
-  ///                         or sizes that ask for more than `max_points` samples.
+  ///                         tell, or sizes that ask for more than `max_points` samples.
   /// @throws invalid_field   a size that is not positive and finite.
-  SurfaceInserter(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
-                  std::span<const Quaternion> frames, std::span<const double> smoothness, const CurveInsertion& curves,
-                  const Size& size, SurfaceOptions options = {}, Order order = Order{})
+  SurfaceInserter(const Surface& surface, std::span<const Quaternion> frames, std::span<const double> smoothness,
+                  const CurveInsertion& curves, const Size& size, SurfaceOptions options = {}, Order order = Order{})
       : options_(checked(std::move(options))),
         queue_(std::move(order)),
-        lattice_(surface, adjacency, features, frames, smoothness, size, *options_.rejection, options_) {
-    check_curves(surface, features, curves);
+        lattice_(surface, frames, smoothness, size, *options_.rejection, options_) {
+    check_curves(surface, curves);
     estimate(surface, size);
-    add_curve_samples(detail::CurveSites(surface, adjacency, features, lattice_.walker()), features, curves);
-    add_patch_seeds(surface, features);
+    add_curve_samples(surface, curves);
+    add_patch_seeds(surface);
   }
+  SurfaceInserter(const Surface&&, std::span<const Quaternion>, std::span<const double>, const CurveInsertion&,
+                  const Size&, SurfaceOptions = {}, Order = Order{}) = delete;
 
   /// Lets the next sample of the queue propose its neighbours. @return false when there was none.
   bool step() {
@@ -99,9 +99,9 @@ private:
     return options;
   }
 
-  static void check_curves(const IndexedTriangleMesh& surface, const FeatureGraph& features,
-                           const CurveInsertion& curves) {
-    detail::one_each(std::span(features.triangle_patch), surface.triangles.size(), "patch labels", "triangles");
+  static void check_curves(const Surface& surface, const CurveInsertion& curves) {
+    const FeatureGraph& features = surface.features;
+    detail::one_each(std::span(features.triangle_patch), surface.triangles().size(), "patch labels", "triangles");
     detail::one_each(std::span(curves.first_of_curve), features.curves.size() + 1, "rows of curve samples",
                      "curves and their end");
     detail::one_each(std::span(curves.samples), curves.first_of_curve.back(), "curve samples", "places in their rows");
@@ -137,32 +137,34 @@ private:
     return false;
   }
 
-  void estimate(const IndexedTriangleMesh& surface, const Size& size) {
+  void estimate(const Surface& surface, const Size& size) {
     const PointEstimate on_surface = estimate_surface_points(surface, size);
     estimate_ = on_surface.n_points;
     detail::check_estimate("surface", estimate_, options_.max_points);
     lattice_.set_largest_size(on_surface.largest_size);
   }
 
-  void add_curve_samples(const detail::CurveSites& sites, const FeatureGraph& features, const CurveInsertion& curves) {
+  void add_curve_samples(const Surface& surface, const CurveInsertion& curves) {
+    const detail::CurveSites sites(surface, lattice_.walker());
     for (const SurfaceSample& sample : curves.samples) {
       sectors_.push_back(sites.sectors(sample));
       lattice_.add_curve_sample(sample, sectors_.back());
     }
-    detail::for_each_interval(features, curves, [&](index_t a, index_t b) { lattice_.join_along_curve(a, b); });
+    detail::for_each_interval(surface.features, curves, [&](index_t a, index_t b) { lattice_.join_along_curve(a, b); });
     for (index_t p = 0; p < lattice_.n_samples(); ++p) push(p);
   }
 
   /// A patch that no curve bounds starts from one sample in its smoothest triangle.
-  void add_patch_seeds(const IndexedTriangleMesh& surface, const FeatureGraph& features) {
+  void add_patch_seeds(const Surface& surface) {
+    const FeatureGraph& features = surface.features;
     std::vector<std::uint8_t> has_sample(features.n_patches, 0);
     for (index_t p = 0; p < lattice_.n_samples(); ++p)
       for (const index_t patch : lattice_.patches_of_curve_sample(p)) has_sample[patch] = 1;
     std::vector<std::optional<Place>> best(features.n_patches);
-    for (index_t t = 0; t < surface.triangles.size(); ++t) {
+    for (index_t t = 0; t < surface.triangles().size(); ++t) {
       const index_t patch = features.triangle_patch[t];
       if (has_sample[patch]) continue;
-      const auto& v = surface.triangles[t];
+      const auto& v = surface.triangles()[t];
       const Place at = lattice_.place(t, (surface.points[v[0]] + surface.points[v[1]] + surface.points[v[2]]) / 3);
       if (!best[patch] || at.smoothness > best[patch]->smoothness) best[patch] = at;
     }
@@ -265,12 +267,10 @@ private:
 /// @throws as `SurfaceInserter`.
 /// @par Complexity   O(samples) proposals, each of two short walks and a search, after O(triangles).
 template <InsertionOrder Order = SmoothnessOrder, ProximityFilter Proximity = HashGrid, SizeField Size>
-SurfaceInsertion insert_surface_points(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                                       const FeatureGraph& features, std::span<const Quaternion> frames,
+SurfaceInsertion insert_surface_points(const Surface& surface, std::span<const Quaternion> frames,
                                        std::span<const double> smoothness, const CurveInsertion& curves,
                                        const Size& size, const SurfaceOptions& options = {}, Order order = Order{}) {
-  return SurfaceInserter<Order, Size, Proximity>(surface, adjacency, features, frames, smoothness, curves, size,
-                                                 options, std::move(order))
+  return SurfaceInserter<Order, Size, Proximity>(surface, frames, smoothness, curves, size, options, std::move(order))
       .finish();
 }
 

@@ -16,8 +16,7 @@ namespace framehex {
 /// @par Complexity   O(n).
 /// @par Determinism  Same mesh, same bytes.
 /// @par Source       P. Frey, MEDIT: an interactive mesh visualization software, INRIA RT-0253; with the keywords
-/// Prisms and
-///                   Pyramids that mmg and Gmsh use.
+///                   Prisms and Pyramids that mmg and Gmsh use.
 inline void write_medit(const std::filesystem::path& path, const MixedMesh& mesh) {
   OutputFile file(path);
   detail::TextBuffer text(file);

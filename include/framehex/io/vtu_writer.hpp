@@ -134,8 +134,7 @@ inline void check_data(const std::string& name, const MixedMesh& mesh, const Mes
 /// @par Complexity   O(n); connectivity is held once more in memory.
 /// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
 /// @par Source       VTK file formats, XML, version 1.0: appended raw data, 64-bit headers. Prisms in the order of
-/// VTK's
-///                   manual (vtk_cells.hpp).
+///                   VTK's manual (vtk_cells.hpp).
 inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {}) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
   detail::check_data(path.string(), mesh, data);

@@ -17,12 +17,14 @@ namespace framehex {
 /// For tetrahedra (concept TetMesh):
 /// @code
 /// template <> struct framehex::mesh_traits<MyMesh> {
-///   using vertex_type = ...; using cell_type = ...; using scalar_type = double;   // handles: cheap to copy
-///   static auto vertices(const MyMesh&);                                          // forward range of vertex_type
-///   static auto cells(const MyMesh&);                                             // forward range of cell_type
-///   static std::size_t index(const MyMesh&, vertex_type);                         // 0-based, in the order of
-///   vertices() static std::array<scalar_type, 3> point(const MyMesh&, vertex_type); static std::array<vertex_type, 4>
-///   cell_vertices(const MyMesh&, cell_type);    // positive: (1-0)x(2-0).(3-0) > 0
+///   using vertex_type = ...;   // handles: cheap to copy
+///   using cell_type = ...;
+///   using scalar_type = double;
+///   static auto vertices(const MyMesh&);                   // forward range of vertex_type
+///   static auto cells(const MyMesh&);                      // forward range of cell_type
+///   static std::size_t index(const MyMesh&, vertex_type);  // 0-based, in the order of vertices()
+///   static std::array<scalar_type, 3> point(const MyMesh&, vertex_type);
+///   static std::array<vertex_type, 4> cell_vertices(const MyMesh&, cell_type);  // positive: (1-0)x(2-0).(3-0) > 0
 /// };
 /// @endcode
 /// For triangles (concept TriangleMesh): `cell_vertices` returns three, anticlockwise seen from outside.

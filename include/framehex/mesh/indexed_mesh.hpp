@@ -3,6 +3,8 @@
 
 #include "framehex/mesh/concepts.hpp"
 
+#include <span>
+
 namespace framehex {
 
 /// Reference model of TetMesh: points and four vertex indices a tetrahedron, positively oriented.
@@ -15,6 +17,12 @@ struct IndexedTetMesh {
 struct IndexedTriangleMesh {
   std::vector<Vector3> points;
   std::vector<std::array<index_t, 3>> triangles;
+};
+
+/// A surface that lies in somebody's arrays: a TriangleMesh that owns nothing.
+struct TriangleView {
+  std::span<const Vector3> points;
+  std::span<const std::array<index_t, 3>> triangles;
 };
 
 namespace detail {
@@ -43,17 +51,43 @@ struct mesh_traits<IndexedTetMesh> : detail::indexed_traits<IndexedTetMesh> {
   static std::array<index_t, 4> cell_vertices(const IndexedTetMesh& mesh, index_t cell) { return mesh.tets[cell]; }
 };
 
-template <>
-struct mesh_traits<IndexedTriangleMesh> : detail::indexed_traits<IndexedTriangleMesh> {
-  static auto cells(const IndexedTriangleMesh& mesh) {
-    return std::views::iota(index_t{0}, static_cast<index_t>(mesh.triangles.size()));
-  }
-  static std::array<index_t, 3> cell_vertices(const IndexedTriangleMesh& mesh, index_t cell) {
-    return mesh.triangles[cell];
-  }
+namespace detail {
+
+template <class M>
+struct indexed_triangle_traits : indexed_traits<M> {
+  static auto cells(const M& mesh) { return std::views::iota(index_t{0}, static_cast<index_t>(mesh.triangles.size())); }
+  static std::array<index_t, 3> cell_vertices(const M& mesh, index_t cell) { return mesh.triangles[cell]; }
 };
+
+}  // namespace detail
+
+template <>
+struct mesh_traits<IndexedTriangleMesh> : detail::indexed_triangle_traits<IndexedTriangleMesh> {};
+template <>
+struct mesh_traits<TriangleView> : detail::indexed_triangle_traits<TriangleView> {};
 
 static_assert(TetMesh<IndexedTetMesh>);
 static_assert(TriangleMesh<IndexedTriangleMesh>);
+static_assert(TriangleMesh<TriangleView>);
+
+namespace detail {
+
+/// `.points` and `.triangles` of any surface as flat arrays: its own where it has them, else a copy.
+template <TriangleMesh M>
+decltype(auto) flat(const M& mesh) {
+  if constexpr (std::same_as<M, IndexedTriangleMesh>) {
+    return mesh;
+  } else if constexpr (std::same_as<M, TriangleView>) {
+    return TriangleView(mesh);
+  } else if constexpr (requires {
+                         { mesh.view() } -> std::same_as<TriangleView>;
+                       }) {
+    return mesh.view();
+  } else {
+    return IndexedTriangleMesh{positions(mesh), triangles(mesh)};
+  }
+}
+
+}  // namespace detail
 
 }  // namespace framehex

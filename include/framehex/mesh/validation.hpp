@@ -109,8 +109,7 @@ TetAdjacency validated_adjacency(const M& mesh) {
 /// Parts that touch in a vertex or an edge, several components and isolated vertices are allowed.
 ///
 /// @throws invalid_coordinate, invalid_connectivity, inverted_cell (zero volume included, decided exactly),
-/// nonmanifold;
-///         with the first offender in the order of the mesh.
+///         nonmanifold; with the first offender in the order of the mesh.
 /// @par Complexity   O(n).
 template <TetMesh M>
 void validate(const M& mesh) {
@@ -137,6 +136,16 @@ inline void check_fans(const TriangleAdjacency& adjacency) {
   }
 }
 
+/// @throws open_surface, nonmanifold
+inline void check_closed(const TriangleAdjacency& adjacency) {
+  for (index_t h = 0; h < adjacency.opposite.size(); ++h)
+    if (adjacency.opposite[h] == no_index)
+      throw open_surface("the surface is open along edge (" + std::to_string(adjacency.from(h)) + ", " +
+                             std::to_string(adjacency.to(h)) + ")",
+                         Entity::edge, {adjacency.from(h), adjacency.to(h)});
+  check_fans(adjacency);
+}
+
 }  // namespace detail
 
 /// Checks that a surface is closed, manifold at its edges and vertices, and consistently oriented.
@@ -149,13 +158,12 @@ void validate_closed(const M& mesh) {
   detail::check_coordinates(mesh);
   const auto triangles = detail::checked_connectivity<3>(mesh, Entity::triangle);
   if (triangles.empty()) throw open_surface("the surface has no triangles");
-  const TriangleAdjacency adjacency = make_adjacency(mesh);
-  for (index_t h = 0; h < adjacency.opposite.size(); ++h)
-    if (adjacency.opposite[h] == no_index)
-      throw open_surface("the surface is open along edge (" + std::to_string(adjacency.from(h)) + ", " +
-                             std::to_string(adjacency.to(h)) + ")",
-                         Entity::edge, {adjacency.from(h), adjacency.to(h)});
-  detail::check_fans(adjacency);
+  if constexpr (requires {
+                  { mesh.adjacency } -> std::convertible_to<const TriangleAdjacency&>;
+                })
+    detail::check_closed(mesh.adjacency);
+  else
+    detail::check_closed(make_adjacency(mesh));
 }
 
 }  // namespace framehex

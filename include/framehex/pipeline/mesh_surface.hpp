@@ -11,9 +11,9 @@
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/retriangulation.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/tetrahedralization/background.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
@@ -82,12 +82,13 @@ public:
       *observer = options_.observer;
   }
 
-  MeshingResult run(const IndexedTriangleMesh& input) {
-    prepare(input);
-    if (!make_background()) return cancelled();
-    watch_.lap(seconds_.background);
+  /// @param input  closed, with its features.
+  MeshingResult run(Surface input) {
+    input_ = std::move(input);
+    locator_ = SurfaceLocator(input_);
+    check_sizes();
+    refine_surface();
     if (!make_field()) return cancelled();
-    watch_.lap(seconds_.field);
     if (!sample_surface()) return cancelled();
     watch_.lap(seconds_.insertion);
     if (!retriangulate_surface()) return cancelled();
@@ -112,59 +113,56 @@ private:
 
   bool going(std::string_view stage, double fraction) const { return keep_going(options_.observer, stage, fraction); }
 
-  /// Features are those of the input; the rest works on triangles no longer than the background's.
-  void prepare(const IndexedTriangleMesh& input) {
-    validate_closed(input);
-    check_sizes(input);
-    input_ = &input;
-    input_features_ = detect_features(input, make_adjacency(input), options_.features);
-    const double edge = background_edge(input);
-    RefinedSurface refined = refine(input, input_features_, [edge](const Vector3&) { return edge; });
-    surface_ = std::move(refined.surface);
-    features_ = std::move(refined.features);
-    adjacency_ = make_adjacency(surface_);
-    result_.statistics.n_feature_curves = features_.curves.size();
-    result_.statistics.n_patches = features_.n_patches;
-  }
-
   /// Sizes that ask for too much are refused before anything is made of them.
-  void check_sizes(const IndexedTriangleMesh& input) const {
-    check_estimate("surface", estimate_surface_points(input, size_).n_points, options_.surface.max_points);
-    const Eigen::AlignedBox3d box = bounding_box(input.points);
-    const SurfaceLocator locator(input);
-    const PointEstimate volume = estimate_volume_points(box.min(), box.max(), SurfaceDomain{locator}, size_);
+  void check_sizes() const {
+    check_estimate("surface", estimate_surface_points(input_, size_).n_points, options_.surface.max_points);
+    const Eigen::AlignedBox3d box = bounding_box(input_.points);
+    const PointEstimate volume = estimate_volume_points(box.min(), box.max(), SurfaceDomain{locator_}, size_);
     check_estimate("volume", volume.n_points, options_.volume.max_points);
-    check_background_edge(input, background_edge(input), options_.max_background_points);
+    check_background_edge(input_, background_edge(input_), options_.max_background_points);
   }
 
-  double background_edge(const IndexedTriangleMesh& input) const {
+  double background_edge(const Surface& surface) const {
     if (options_.background_edge) return *options_.background_edge;
     double sum = 0;
-    for (const Vector3& p : input.points) sum += checked_size(size_, p);
-    return sum / static_cast<double>(input.points.size());
+    for (const Vector3& p : surface.points) sum += checked_size(size_, p);
+    return sum / static_cast<double>(surface.points.size());
   }
 
-  bool make_background() {
-    if (!going("background mesh", 0)) return false;
-    const std::vector<Vector3> interior = background_points(
-        surface_, SurfaceLocator(surface_), background_edge(surface_), executor_, options_.max_background_points);
-    Tetrahedralization background = tetrahedralize(tetrahedralizer_, surface_, interior, options_.observer);
-    background_ = std::move(background.mesh);
-    result_.statistics.n_background_tets = background_.tets.size();
-    return background.status == Status::complete;
+  /// Features are those of the input; the rest works on triangles no longer than the background's.
+  void refine_surface() {
+    const double edge = background_edge(input_);
+    surface_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
+    result_.statistics.n_feature_curves = surface_.features.curves.size();
+    result_.statistics.n_patches = surface_.features.n_patches;
   }
 
+  /// The background mesh is the field's own business.
   bool make_field() {
+    if (!going("background mesh", 0)) return false;
+    const std::vector<Vector3> interior =
+        background_points(surface_, locator_, background_edge(surface_), executor_, options_.max_background_points);
+    Tetrahedralization background = tetrahedralize(tetrahedralizer_, surface_, interior, options_.observer);
+    result_.statistics.n_background_tets = background.mesh.tets.size();
+    if (background.status != Status::complete) return false;
+    watch_.lap(seconds_.background);
+
     if (!going("frame field", 0)) return false;
-    cross_field_ = compute_cross_field(surface_, adjacency_, features_, options_.cross_field);
+    cross_field_ = compute_cross_field(surface_, options_.cross_field);
     if (!going("frame field", 0.2)) return false;
     FieldReport report;
-    field_.emplace(
-        compute_frame_field(background_, surface_, features_, cross_field_.frames, options_.field, executor_, &report));
+    field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), surface_, cross_field_.frames,
+                                       options_.field, executor_, &report));
     if (report.status == Status::cancelled) return false;
     // Surface points that follow the volume's idea of the cross meet the volume's points in step.
     if (options_.field.method == FieldMethod::best && options_.field.surface_cross == SurfaceCross::free)
       cross_field_.frames = surface_crosses(*field_, surface_);
+    note_field();
+    watch_.lap(seconds_.field);
+    return true;
+  }
+
+  void note_field() {
     const auto& smoothness = field_->smoothness();
     MeshingStatistics& s = result_.statistics;
     for (const double value : smoothness) {
@@ -173,15 +171,14 @@ private:
     }
     s.dirichlet_energy = field_->dirichlet_energy();
     s.n_singular_edges = singular_graph(field_->adjacency(), field_->points(), field_->frames()).facets.size();
-    return true;
   }
 
   bool sample_surface() {
     if (!going("surface insertion", 0)) return false;
-    const CurveInsertion curves = insert_curve_points(surface_, features_, size_, options_.curves);
+    const CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves);
+    const SurfaceCrossField cross = std::exchange(cross_field_, {});
     const auto insert = [&](auto order) {
-      return insert_surface_points(surface_, adjacency_, features_, cross_field_.frames, cross_field_.smoothness,
-                                   curves, size_, options_.surface, order);
+      return insert_surface_points(surface_, cross.frames, cross.smoothness, curves, size_, options_.surface, order);
     };
     samples_ = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
     result_.statistics.n_surface_points = samples_.samples.size();
@@ -190,20 +187,21 @@ private:
 
   bool retriangulate_surface() {
     if (!going("retriangulation", 0)) return false;
-    boundary_ = retriangulate(surface_, features_, samples_.samples, options_.retriangulation);
-    result_.statistics.n_unremoved_vertices = boundary_.n_unremoved;
-    result_.statistics.n_repair_vertices = boundary_.n_added;
-    if (boundary_.n_crossings > 0)
+    Retriangulation again = retriangulate(surface_, samples_.samples, options_.retriangulation);
+    result_.statistics.n_unremoved_vertices = again.n_unremoved;
+    result_.statistics.n_repair_vertices = again.n_added;
+    if (again.n_crossings > 0)
       throw invalid_surface(
           "the surface crosses itself, or comes so near to itself that triangles of the wished size do (" +
-          std::to_string(boundary_.n_crossings) + " pairs); use a smaller size");
+          std::to_string(again.n_crossings) + " pairs); use a smaller size");
+    surface_ = std::move(again.surface);
     return true;
   }
 
   bool fill_volume() {
-    const std::vector<BoundarySeed> seeds = samples_.seeds();
+    const std::vector<BoundarySeed> seeds = std::exchange(samples_, {}).seeds();
     // The boundary of the result, and not the input's, is what the points keep away from.
-    const SurfaceLocator locator(boundary_.surface);
+    const SurfaceLocator locator(surface_);
     const SurfaceDomain domain{locator};
     const auto insert = [&](auto order) {
       return insert_volume_points(seeds, *field_, size_, domain, options_.volume, order);
@@ -216,18 +214,16 @@ private:
   }
 
   bool make_tets() {
-    Tetrahedralization second = tetrahedralize(tetrahedralizer_, boundary_.surface, interior_, options_.observer);
-    if (second.status != Status::complete) return false;
-    tets_ = std::move(second.mesh);
-    result_.statistics.n_tets = tets_.tets.size();
-    return true;
+    tets_ = tetrahedralize(tetrahedralizer_, surface_, std::exchange(interior_, {}), options_.observer);
+    result_.statistics.n_tets = tets_.mesh.tets.size();
+    return tets_.status == Status::complete;
   }
 
   bool recombine_tets() {
-    const FeatureGraph& features = boundary_.features;
+    const FeatureGraph& features = surface_.features;
     std::vector<LabelledFace> faces;
-    for (std::size_t t = 0; t < boundary_.surface.triangles.size(); ++t) {
-      const auto& v = boundary_.surface.triangles[t];
+    for (std::size_t t = 0; t < surface_.triangles().size(); ++t) {
+      const auto& v = surface_.triangles()[t];
       faces.push_back({{v[0], v[1], v[2], no_index}, features.triangle_patch[t]});
     }
     std::vector<LabelledEdge> edges;
@@ -236,12 +232,14 @@ private:
       for (std::size_t i = 0; i + 1 < row.size(); ++i)
         edges.push_back({{row[i], row[i + 1]}, static_cast<index_t>(curve)});
     }
+    surface_ = {};
     RecombineOptions options = options_.recombination;
     options.faces = faces;
     options.edges = edges;
+    options.adjacency = &tets_.adjacency;
     if (options.assembly.improvement == ImprovementMode::improve && !options.assembly.boundary_projection)
       options.assembly.boundary_projection = boundary_slider(edges);
-    result_.recombination = recombine(tets_, options, executor_);
+    result_.recombination = recombine(tets_.mesh, options, executor_);
     StageSeconds& s = result_.recombination.seconds;
     s.background = seconds_.background;
     s.field = seconds_.field;
@@ -252,8 +250,8 @@ private:
 
   /// Keeps boundary vertices on the input as it was given. Those that do not lie on it stay where they are.
   BoundarySlider boundary_slider(std::span<const LabelledEdge> edges) const {
-    const double tolerance = 1e-6 * bounding_box(input_->points).diagonal().norm();
-    return BoundarySlider(*input_, input_features_, tets_.points, edges, tolerance);
+    const double tolerance = 1e-6 * bounding_box(input_.points).diagonal().norm();
+    return BoundarySlider(input_, locator_, tets_.mesh.points, edges, tolerance);
   }
 
   void sample_field() {
@@ -273,25 +271,23 @@ private:
   Stopwatch watch_;
   StageSeconds seconds_;
   MeshingResult result_;
-  const IndexedTriangleMesh* input_ = nullptr;
-  FeatureGraph input_features_;
-  IndexedTriangleMesh surface_;
-  TriangleAdjacency adjacency_;
-  FeatureGraph features_;
+  // Each stage takes what it needs and lets go of what no later one reads.
+  Surface input_;
+  SurfaceLocator locator_;  // of the input
+  Surface surface_;         // the input with short edges, then its new triangulation
   SurfaceCrossField cross_field_;
-  IndexedTetMesh background_;
   std::optional<Field> field_;
   SurfaceInsertion samples_;
-  Retriangulation boundary_;
   std::vector<Vector3> interior_;
-  IndexedTetMesh tets_;
+  Tetrahedralization tets_;
 };
 
 }  // namespace detail
 
 /// The whole job: from a closed surface to a hex-dominant mesh of its inside.
 ///
-/// @param surface          closed, outward, edge-manifold; checked first. Coordinates in the host's unit.
+/// @param surface          any TriangleMesh, closed, outward, edge-manifold; checked first. Coordinates in the host's
+///                         unit.
 /// @param size             wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
 /// @return the mesh with labels (patches, feature curves), frames, statistics and seconds of each stage.
@@ -299,10 +295,12 @@ private:
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 /// @par Source       The paper, section 1, and the stages' own.
-template <Tetrahedralizer T, SizeField Size, Executor E = SerialExecutor>
-MeshingResult mesh_surface(const IndexedTriangleMesh& surface, const Size& size, const T& tetrahedralizer,
+template <TriangleMesh M, Tetrahedralizer T, SizeField Size, Executor E = SerialExecutor>
+MeshingResult mesh_surface(const M& surface, const Size& size, const T& tetrahedralizer,
                            const MeshingOptions& options = {}, const E& executor = {}) {
-  return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor).run(surface);
+  validate_closed(surface);
+  return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor)
+      .run(Surface(surface, options.features));
 }
 
 }  // namespace framehex

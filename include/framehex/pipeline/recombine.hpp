@@ -19,6 +19,7 @@ struct RecombineOptions {
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
   std::span<const LabelledEdge> edges = {};  ///< feature edges; they stay edges
+  const TetAdjacency* adjacency = nullptr;   ///< of the mesh, by those who have checked it already; else null
   Observer observer = {};
 };
 
@@ -79,7 +80,8 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
     result.mesh = {};
     return std::move(result);
   };
-  const TetAdjacency adjacency = validated_adjacency(mesh);
+  const TetAdjacency validated = options.adjacency ? TetAdjacency{} : validated_adjacency(mesh);
+  const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : validated;
   const auto patches = detail::label_facets(adjacency, options.faces);
   const auto feature_edges = detail::vertex_pairs(options.edges);
   options.finder.regions = options.assembly.regions = options.regions;

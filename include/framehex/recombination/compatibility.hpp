@@ -84,8 +84,7 @@ inline bool are_disjoint(std::span<const index_t> a, std::span<const index_t> b)
 /// @param b, j  candidates of the same or another kind, over the same mesh, and the row of the other.
 /// @par Complexity   O(1): one pair at a time; see `faces_fit`.
 /// @par Source       Bernard, Remacle, Kowalski, Geuzaine, Frame field smoothness-based approach for hex-dominant
-/// meshing,
-///                   Computer-Aided Design 72 (2016), section 2.1.
+///                   meshing, Computer-Aided Design 72 (2016), section 2.1.
 template <int CornersA, int CornersB>
 bool compatible(const Candidates<CornersA>& a, std::size_t i, const Candidates<CornersB>& b, std::size_t j) {
   return are_disjoint(a.tets[i], b.tets[j]) &&

@@ -29,8 +29,7 @@ public:
 /// @param executor  runs the blocks of first vertices.
 /// @pre `validate(mesh)` passes; it is called unless `.input_check` says otherwise.
 /// @return each hexahedron once, ordered by its smallest vertex, which is its corner 0; `status` is `cancelled` when
-/// the
-///         observer stopped the search, and what was found up to some vertex is returned.
+///         the observer stopped the search, and what was found up to some vertex is returned.
 /// @throws invalid_option, and what `validate` throws.
 /// @par Complexity   O(n) for bounded valence. Beside the result about 60 bytes a tetrahedron, the adjacency included.
 /// @par Determinism  The result does not depend on the executor.

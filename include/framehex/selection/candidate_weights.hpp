@@ -35,8 +35,7 @@ auto count_with_quality(const Candidates<Corners>& candidates, double quality_te
 /// @param on_boundary  by vertex: not zero when it lies on the boundary.
 /// @param blend        0: quality alone; 1: share of the corners on the boundary alone.
 /// @par Source   Paper, section 2.2: "a weighted sum including the element quality and the boundary proximity". It
-/// gives
-///               no numbers; the share of corners and the blend of 0.5 are ours.
+///               gives no numbers; the share of corners and the blend of 0.5 are ours.
 template <int Corners>
 auto quality_and_boundary(const Candidates<Corners>& candidates, std::span<const std::uint8_t> on_boundary,
                           double blend = 0.5) {

@@ -179,8 +179,7 @@ Draft draft_selection(const IncompatibilityGraph& graph, const SelectOptions& op
 /// @par Complexity   `greedy` O(n log n + conflicts). `best` two to four microseconds a candidate for the first
 ///                   selection, then some fifty for a gap of half a percent; memory as the graph again.
 /// @par Determinism  The same for any executor and run, unless the time or the observer ends it. `best` and `exact` do
-/// not
-///                   depend on the numbers of the candidates either, but where candidates look alike (weight and
+///                   not depend on the numbers of the candidates either, but where candidates look alike (weight and
 ///                   surroundings); `greedy` takes equal weights by number.
 /// @par Source       Paper, section 2.2, for greedy. Departs: a relaxation bounds what greedy loses, and local search
 ///                   and branch and bound win it back.

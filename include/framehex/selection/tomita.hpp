@@ -163,8 +163,7 @@ struct TomitaOptions {
 /// @par Complexity   Exponential in the largest component of k candidates at worst; k^2/8 bytes.
 /// @par Determinism  Serial.
 /// @par Source       Tomita, Tanaka, Takahashi, Theor. Comput. Sci. 363 (2006) 28-42. Departs: weighted, with a bound
-/// by
-///                   cliques that share the weights, because one heaviest set is wanted and not all maximal ones.
+///                   by cliques that share the weights, because one heaviest set is wanted and not all maximal ones.
 inline Selection select_by_branch_and_bound(const IncompatibilityGraph& graph, const TomitaOptions& options = {}) {
   detail::Deadline deadline(std::numeric_limits<double>::infinity(), options.observer);
   Selection selection;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/mesh/mixed_mesh.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 #include <algorithm>
@@ -17,24 +17,28 @@ namespace framehex {
 /// Copies share what they know; calls are const and safe from several threads at once.
 class BoundarySlider {
 public:
-  /// @param surface    geometry to stay on, n_triangles.
-  /// @param features   of `surface`: its patches, curves and corners.
+  /// @param surface    geometry to stay on, and its patches, curves and corners.
   /// @param points     vertices of the tetrahedral mesh where they start.
   /// @param edges      feature edges of the tetrahedral mesh; a vertex on two or more labels, where other than two
-  /// edges
-  ///                   meet, or at a corner of `features` is a corner.
+  ///                   edges meet, or at a corner of `surface` is a corner.
   /// @param tolerance  how far a vertex may start from the surface, in the unit of the coordinates.
   /// @par Complexity   O(n log n); a call is O(log n) on a patch, O(length) on a curve.
-  BoundarySlider(const IndexedTriangleMesh& surface, const FeatureGraph& features, std::span<const Vector3> points,
+  BoundarySlider(const Surface& surface, std::span<const Vector3> points, std::span<const LabelledEdge> edges,
+                 double tolerance)
+      : BoundarySlider(surface, SurfaceLocator(surface), points, edges, tolerance) {}
+
+  /// @param locator  of `surface`, for those who have one.
+  BoundarySlider(const Surface& surface, const SurfaceLocator& locator, std::span<const Vector3> points,
                  std::span<const LabelledEdge> edges, double tolerance)
       : data_(std::make_shared<Data>()) {
+    const FeatureGraph& features = surface.features;
     Data& d = *data_;
     d.tolerance = tolerance;
     std::vector<IndexedTriangleMesh> patches(features.n_patches);
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
       IndexedTriangleMesh& patch = patches[features.triangle_patch[t]];
       const auto first = static_cast<index_t>(patch.points.size());
-      for (const index_t v : surface.triangles[t]) patch.points.push_back(surface.points[v]);
+      for (const index_t v : surface.triangles()[t]) patch.points.push_back(surface.points[v]);
       patch.triangles.push_back({first, first + 1, first + 2});
     }
     for (const IndexedTriangleMesh& patch : patches) d.patches.emplace_back(patch);
@@ -43,7 +47,7 @@ public:
       for (const index_t v : features.curves[c]) curve.push_back(surface.points[v]);
     }
     for (const index_t v : features.corners) d.corners.push_back(surface.points[v]);
-    classify(SurfaceLocator(surface), features, points, edges);
+    classify(locator, features, points, edges);
   }
 
   /// Moves `place` to the nearest point of the patch or curve of a vertex. @return false: the vertex may not move.

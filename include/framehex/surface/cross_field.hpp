@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/detail/cross_solver.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 
 namespace framehex {
 
@@ -109,27 +108,23 @@ inline Quaternion cross_frame(const std::vector<Vector3>& points, const std::arr
 /// patches without any take the eigenvector of the least eigenvalue, or with `options.curvature` > 0 one that is pulled
 /// to the principal directions of curvature. Patches do not see each other.
 ///
-/// @param surface    edge-manifold; may have rims, which are features then. Needles are harmless, but crosses are per
-///                   triangle: refine() large triangles first.
-/// @param adjacency  of `surface`.
-/// @param features   of `surface`.
+/// @param surface  may have rims, which are features then. Needles are harmless, but crosses are per triangle: refine()
+///                 large triangles first.
 /// @return frames of unit quaternions without NaN, whatever the shape of the triangles.
 /// @throws invalid_option  for a negative or NaN curvature weight, or tolerance.
 /// @par Complexity   One sparse factorisation of n_edges complex unknowns for all patches with features and one for
-/// each
-///                   closed one: O(n^1.5); about 1 kB an edge.
+///                   each closed one: O(n^1.5); about 1 kB an edge.
 /// @par Determinism  The same everywhere up to rounding; closed patches start from a fixed pseudo-random vector.
 /// @par Source       The paper, equation (1), for planar domains. Knoeppel, Crane, Pinkall, Schroeder, ACM Trans.
-/// Graph.
-///                   32 (2013) for closed surfaces. Departs from both: unknowns on edges instead of vertices, because
-///                   no tangent plane has to be invented at corners and sharp edges.
-inline SurfaceCrossField compute_cross_field(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                                             const FeatureGraph& features, const CrossFieldOptions& options = {}) {
+///                   Graph. 32 (2013) for closed surfaces. Departs from both: unknowns on edges instead of vertices,
+///                   because no tangent plane has to be invented at corners and sharp edges.
+inline SurfaceCrossField compute_cross_field(const Surface& surface, const CrossFieldOptions& options = {}) {
   if (!(options.curvature >= 0) || !(options.tolerance > 0))
     throw invalid_option("the cross field needs a curvature weight >= 0 and a tolerance > 0");
+  const TriangleAdjacency& adjacency = surface.adjacency;
   const std::vector<Vector3> normals = detail::triangle_normals(surface.points, adjacency);
   const detail::EdgeConnection connection = detail::make_edge_connection(surface.points, adjacency);
-  detail::CrossSolver solver(adjacency, features, connection);
+  detail::CrossSolver solver(adjacency, surface.features, connection);
   solver.solve_patches_with_features();
   solver.solve_closed_patches(detail::curvature_crosses(surface.points, adjacency, connection, normals),
                               {options.curvature, options.max_iterations, options.tolerance, options.diffusion_steps});
@@ -138,10 +133,10 @@ inline SurfaceCrossField compute_cross_field(const IndexedTriangleMesh& surface,
   SurfaceCrossField field;
   field.frames.reserve(cross.size());
   for (std::size_t t = 0; t < cross.size(); ++t)
-    field.frames.push_back(detail::cross_frame(surface.points, surface.triangles[t], normals[t], cross[t]));
+    field.frames.push_back(detail::cross_frame(surface.points, surface.triangles()[t], normals[t], cross[t]));
   const std::vector<double> turn = detail::matchings(adjacency, connection, cross);
   field.singularities = detail::find_singularities(adjacency, connection, turn);
-  field.smoothness = detail::cross_smoothness(adjacency, features, connection, turn);
+  field.smoothness = detail::cross_smoothness(adjacency, surface.features, connection, turn);
   return field;
 }
 

@@ -24,17 +24,17 @@ public:
     double smoothness;
   };
 
+  /// @param surface, walker, frames, smoothness  kept by reference.
   /// @param frames      n_triangles; z is the outward normal, x and y the cross.
   /// @param smoothness  n_vertices, or empty: 1 everywhere.
-  CrossSampler(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const SurfaceWalker& walker,
-               std::span<const Quaternion> frames, std::span<const double> smoothness)
+  CrossSampler(const Surface& surface, const SurfaceWalker& walker, std::span<const Quaternion> frames,
+               std::span<const double> smoothness)
       : surface_(surface), walker_(walker), smoothness_(smoothness) {
-    const auto n = static_cast<index_t>(surface.triangles.size());
+    const auto n = static_cast<index_t>(surface.triangles().size());
     axes_.reserve(n);
     for (index_t t = 0; t < n; ++t) axes_.push_back(tangent_axes(t, frames[t]));
     corner_angle_.resize(3 * std::size_t{n});
-    for (index_t half_edge = 0; half_edge < 3 * n; ++half_edge)
-      corner_angle_[half_edge] = corner_angle(adjacency, half_edge);
+    for (index_t half_edge = 0; half_edge < 3 * n; ++half_edge) corner_angle_[half_edge] = corner_angle(half_edge);
   }
 
   /// @param p  a point of the triangle, within rounding.
@@ -44,7 +44,7 @@ public:
     for (int c = 0; c < 3; ++c) {
       const auto corner = static_cast<std::size_t>(c);
       angle += weights[c] * corner_angle_[3 * triangle + corner];
-      if (!smoothness_.empty()) smoothness += weights[c] * smoothness_[surface_.triangles[triangle][corner]];
+      if (!smoothness_.empty()) smoothness += weights[c] * smoothness_[surface_.triangles()[triangle][corner]];
     }
     const Eigen::Matrix3d& axes = axes_[triangle];
     Sample sample{axes, smoothness};
@@ -75,7 +75,8 @@ private:
   }
 
   /// Mean over the fan of the corner from which `half_edge` starts.
-  double corner_angle(const TriangleAdjacency& adjacency, index_t half_edge) const {
+  double corner_angle(index_t half_edge) const {
+    const TriangleAdjacency& adjacency = surface_.adjacency;
     const index_t t = half_edge / 3;
     double sum = 0;
     int n = 1;
@@ -96,7 +97,7 @@ private:
   }
 
   Vector3 barycentric(index_t triangle, const Vector3& p) const {
-    const auto& t = surface_.triangles[triangle];
+    const auto& t = surface_.triangles()[triangle];
     const Vector3 &a = surface_.points[t[0]], &b = surface_.points[t[1]], &c = surface_.points[t[2]];
     const Vector3& normal = walker_.normal(triangle);
     const double area = (b - a).cross(c - a).dot(normal);
@@ -106,7 +107,7 @@ private:
     return weights / weights.sum();
   }
 
-  const IndexedTriangleMesh& surface_;
+  const Surface& surface_;
   const SurfaceWalker& walker_;
   std::span<const double> smoothness_;
   std::vector<Eigen::Matrix3d> axes_;

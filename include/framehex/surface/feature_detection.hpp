@@ -7,6 +7,7 @@
 #include "framehex/surface/feature_graph.hpp"
 
 #include <numbers>
+#include <span>
 
 namespace framehex {
 
@@ -31,8 +32,8 @@ public:
     bool alive = true;
   };
 
-  FeatureDetector(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureOptions& options)
-      : surface_(surface), adjacency_(adjacency) {
+  FeatureDetector(std::span<const Vector3> points, const TriangleAdjacency& adjacency, const FeatureOptions& options)
+      : points_(points), adjacency_(adjacency) {
     find_sharp(options);
     add_given(options);
     edges_of_vertex_ = make_csr(adjacency.n_vertices(), [&](auto&& put) {
@@ -104,7 +105,7 @@ public:
 
 private:
   void find_sharp(const FeatureOptions& options) {
-    const std::vector<Vector3> normals = triangle_normals(surface_.points, adjacency_);
+    const std::vector<Vector3> normals = triangle_normals(points_, adjacency_);
     const double cosine = std::cos(options.angle);
     for (index_t h = 0; h < adjacency_.opposite.size(); ++h) {
       const index_t twin = adjacency_.opposite[h];
@@ -163,7 +164,7 @@ private:
     Vector3 sum = Vector3::Zero(), last = Vector3::Zero();
     for (const index_t e : edges_of_vertex_[v]) {
       if (!edges_[e].alive) continue;
-      last = (surface_.points[other_end(e, v)] - surface_.points[v]).normalized();
+      last = (points_[other_end(e, v)] - points_[v]).normalized();
       sum += last;
     }
     const Vector3 first = sum - last;
@@ -214,7 +215,7 @@ private:
     return component;
   }
 
-  const IndexedTriangleMesh& surface_;
+  std::span<const Vector3> points_;
   const TriangleAdjacency& adjacency_;
   std::vector<Edge> edges_;
   Csr<index_t> edges_of_vertex_;
@@ -244,30 +245,13 @@ inline void label_patches(const TriangleAdjacency& adjacency, FeatureGraph& grap
   }
 }
 
-}  // namespace detail
-
-/// Finds the sharp edges of a surface, and from them its corners, curves and patches.
-///
-/// An edge is a feature when it is given, lies on a rim, or is bent by more than `options.angle` from flat. A corner is
-/// a vertex where other than two feature edges meet or a curve turns by more than `options.corner_angle`.
-///
-/// Scans have bends that nobody designed. Unless given, a curve with a loose end and fewer than `options.stray_edges`
-/// edges is dropped, again and again; so is a connected set of sharp edges that loses more than a tenth of itself by
-/// that, or has fewer than four edges left. Sharp edges of CAD surfaces end in corners or close up, and are untouched.
-///
-/// @param surface    indices in range, edge-manifold.
-/// @param adjacency  of `surface`.
-/// @return curves between corners in the order of their first corner, then closed curves without a corner, which start
-/// at
-///         their smallest vertex; a closed curve repeats its first vertex.
-/// @throws invalid_option  for an angle outside (0, pi); for a given edge that is not one (its two vertices).
-/// @par Complexity   O(n).
-inline FeatureGraph detect_features(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                                    const FeatureOptions& options = {}) {
+/// See `detect_features`.
+inline FeatureGraph find_features(std::span<const Vector3> points, const TriangleAdjacency& adjacency,
+                                  const FeatureOptions& options) {
   for (const double angle : {options.angle, options.corner_angle})
     if (!(angle > 0 && angle < std::numbers::pi))
       throw invalid_option("a feature angle of " + std::to_string(angle) + " rad is not between 0 and pi");
-  detail::FeatureDetector edges(surface, adjacency, options);
+  FeatureDetector edges(points, adjacency, options);
   edges.prune(options.stray_edges);
 
   FeatureGraph graph;
@@ -280,8 +264,10 @@ inline FeatureGraph detect_features(const IndexedTriangleMesh& surface, const Tr
     const index_t twin = adjacency.opposite[edge.half_edge];
     if (twin != no_index) graph.is_feature[twin] = 1;
   }
-  detail::label_patches(adjacency, graph);
+  label_patches(adjacency, graph);
   return graph;
 }
+
+}  // namespace detail
 
 }  // namespace framehex

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/surface/detail/delaunay_flips.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 #include <cmath>
@@ -12,8 +13,7 @@ namespace framehex {
 
 /// A surface of the same shape with shorter edges.
 struct RefinedSurface {
-  IndexedTriangleMesh surface;  ///< the old vertices first, unchanged
-  FeatureGraph features;        ///< the same corners, curves and patches
+  Surface surface;              ///< the old vertices first, unchanged; the same corners, curves and patches
   std::vector<index_t> parent;  ///< triangle -> triangle of the old surface that it, or its centre, lies in
 };
 
@@ -26,7 +26,8 @@ enum class RefinementFlips {
 /// How to refine, and how far.
 struct RefinementOptions {
   RefinementFlips flips = RefinementFlips::in_planes;
-  std::size_t max_triangles = 50'000'000;  ///< needing more is taken for a mistake in the lengths
+  std::size_t max_triangles = 50'000'000;   ///< needing more is taken for a mistake in the lengths
+  const SurfaceLocator* locator = nullptr;  ///< of the surface, by those who have one; else null
 };
 
 namespace detail {
@@ -187,8 +188,7 @@ private:
 /// The edge that is longest compared with what is allowed goes first, which keeps angles from getting smaller than
 /// about half of what they were. Wanted before a cross field or samples can be computed on the large triangles of CAD.
 ///
-/// @param surface   edge-manifold, indices in range; may have rims.
-/// @param features  of `surface`.
+/// @param surface   may have rims.
 /// @param max_edge  callable: point -> greatest length of an edge there; infinite for no limit.
 /// @throws invalid_field  with the edge, for a length that is NaN or not positive; invalid_option when
 ///         `options.max_triangles` is exceeded; nonmanifold.
@@ -196,32 +196,32 @@ private:
 /// @par Source       Rivara, Int. J. Numer. Methods Eng. 20 (1984) 745-756. Departs: the queue replaces the propagation
 ///                   along longest edges.
 template <class SizeFn>
-RefinedSurface refine(const IndexedTriangleMesh& surface, const FeatureGraph& features, const SizeFn& max_edge,
-                      const RefinementOptions& options = {}) {
-  detail::EditableSurface editable(surface, make_adjacency(surface), features);
+RefinedSurface refine(const Surface& surface, const SizeFn& max_edge, const RefinementOptions& options = {}) {
+  detail::EditableSurface editable(surface);
   detail::Refiner<SizeFn> refiner(editable, max_edge, options);
   refiner.run();
 
   RefinedSurface result;
-  result.features.corners = features.corners;
-  result.features.n_patches = features.n_patches;
-  for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    const auto curve = features.curves[c];
-    auto& values = result.features.curves.values;
-    values.push_back(curve[0]);
-    for (std::size_t i = 0; i + 1 < curve.size(); ++i) refiner.expand(curve[i], curve[i + 1], values);
-    result.features.curves.end_row();
+  FeatureGraph& features = result.surface.features;
+  features.corners = surface.features.corners;
+  features.n_patches = surface.features.n_patches;
+  for (std::size_t c = 0; c < surface.features.curves.size(); ++c) {
+    const auto curve = surface.features.curves[c];
+    features.curves.values.push_back(curve[0]);
+    for (std::size_t i = 0; i + 1 < curve.size(); ++i) refiner.expand(curve[i], curve[i + 1], features.curves.values);
+    features.curves.end_row();
   }
+  features.triangle_patch = std::move(editable.patch);
+  features.is_feature = std::move(editable.feature);
   result.surface.points = std::move(editable.points);
-  result.surface.triangles = std::move(editable.corners);
-  result.features.triangle_patch = std::move(editable.patch);
-  result.features.is_feature = std::move(editable.feature);
+  result.surface.adjacency = make_adjacency(TriangleView{result.surface.points, editable.corners});
   result.parent = std::move(editable.parent);
   if (options.flips == RefinementFlips::none) return result;
-  const SurfaceLocator locator(surface);
+  const SurfaceLocator own = options.locator ? SurfaceLocator() : SurfaceLocator(surface);
+  const SurfaceLocator& locator = options.locator ? *options.locator : own;
   for (index_t t = 0; t < result.parent.size(); ++t) {
     if (!refiner.mixed(t)) continue;
-    const auto& v = result.surface.triangles[t];
+    const auto& v = result.surface.triangles()[t];
     const auto& p = result.surface.points;
     result.parent[t] = locator.nearest((p[v[0]] + p[v[1]] + p[v[2]]) / 3).triangle;
   }

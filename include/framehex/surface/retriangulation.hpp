@@ -10,11 +10,11 @@ namespace framehex {
 
 /// A surface whose vertices are chosen samples.
 struct Retriangulation {
-  IndexedTriangleMesh surface;  ///< vertices: the samples in their order, then others
-  FeatureGraph features;        ///< of `surface`; the corners, curves and patches of the input
+  Surface surface;              ///< vertices: the samples in their order, then others; with the input's corners, curves
+                                ///< and patches
   std::size_t n_unremoved = 0;  ///< input vertices that are no samples and had to stay
-  std::size_t n_added =
-      0;  ///< new vertices, after those, that keep the surface near the input and from crossing itself
+  std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface near the input and from crossing
+                                ///< itself
   std::size_t n_crossings = 0;  ///< pairs of triangles that cross all the same
 };
 
@@ -31,17 +31,16 @@ namespace detail {
 
 class Retriangulator {
 public:
-  Retriangulator(const IndexedTriangleMesh& input, const FeatureGraph& features, std::span<const SurfaceSample> samples,
-                 const RetriangulationOptions& options)
-      : adjacency_(make_adjacency(input)),
-        features_(features),
+  Retriangulator(const Surface& input, std::span<const SurfaceSample> samples, const RetriangulationOptions& options)
+      : features_(input.features),
+        n_input_vertices_(static_cast<index_t>(input.points.size())),
         samples_(samples),
         options_(options),
         diagonal_(bounding_box(input.points).diagonal().norm()),
-        surface_(input, adjacency_, features),
-        normals_(surface_, adjacency_),
-        chains_(input.points, features.curves),
-        inserter_(surface_, normals_, features, samples, chains_) {}
+        surface_(input),
+        normals_(surface_, input.adjacency),
+        chains_(input.points, features_.curves),
+        inserter_(surface_, normals_, features_, samples, chains_) {}
 
   Retriangulation run() {
     inserter_.run();
@@ -70,7 +69,7 @@ private:
     std::vector<index_t> inside, on_curves;
     std::vector<char> corner(surface_.points.size(), 0);
     for (const index_t v : features_.corners) corner[v] = 1;
-    for (index_t v = 0; v < adjacency_.n_vertices(); ++v) {
+    for (index_t v = 0; v < n_input_vertices_; ++v) {
       if (inserter_.sample_of_vertex()[v] != no_index || corner[v] || surface_.half_edge_of[v] == no_index) continue;
       (remover.feature_valence(v) == 0 ? inside : on_curves).push_back(v);
     }
@@ -92,34 +91,38 @@ private:
   Retriangulation result() const {
     Retriangulation r;
     std::vector<index_t> new_index(surface_.points.size(), no_index);
-    for (const SurfaceSample& s : samples_) r.surface.points.push_back(s.point);
+    std::vector<Vector3>& points = r.surface.points;
+    FeatureGraph& features = r.surface.features;
+    std::vector<std::array<index_t, 3>> triangles;
+    for (const SurfaceSample& s : samples_) points.push_back(s.point);
     for (index_t i = 0; i < samples_.size(); ++i) new_index[inserter_.vertex_of_sample()[i]] = i;
     for (index_t v = 0; v < surface_.points.size(); ++v) {
       if (new_index[v] != no_index || surface_.half_edge_of[v] == no_index) continue;
-      new_index[v] = static_cast<index_t>(r.surface.points.size());
-      r.surface.points.push_back(surface_.points[v]);
+      new_index[v] = static_cast<index_t>(points.size());
+      points.push_back(surface_.points[v]);
       ++(v < first_added_ ? r.n_unremoved : r.n_added);
     }
     for (index_t t = 0; t < surface_.n_triangles(); ++t) {
       if (!surface_.alive(t)) continue;
       const auto& v = surface_.corners[t];
-      r.surface.triangles.push_back({new_index[v[0]], new_index[v[1]], new_index[v[2]]});
-      r.features.triangle_patch.push_back(surface_.patch[t]);
-      for (index_t h = 3 * t; h < 3 * t + 3; ++h) r.features.is_feature.push_back(surface_.feature[h]);
+      triangles.push_back({new_index[v[0]], new_index[v[1]], new_index[v[2]]});
+      features.triangle_patch.push_back(surface_.patch[t]);
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h) features.is_feature.push_back(surface_.feature[h]);
     }
-    r.features.n_patches = features_.n_patches;
+    features.n_patches = features_.n_patches;
     for (const index_t v : features_.corners)
-      if (new_index[v] != no_index) r.features.corners.push_back(new_index[v]);
-    std::sort(r.features.corners.begin(), r.features.corners.end());
+      if (new_index[v] != no_index) features.corners.push_back(new_index[v]);
+    std::sort(features.corners.begin(), features.corners.end());
     for (std::size_t c = 0; c < chains_.size(); ++c) {
-      for (const auto& link : chains_.row(c)) r.features.curves.values.push_back(new_index[link.vertex]);
-      r.features.curves.end_row();
+      for (const auto& link : chains_.row(c)) features.curves.values.push_back(new_index[link.vertex]);
+      features.curves.end_row();
     }
+    r.surface.adjacency = make_adjacency(TriangleView{points, triangles});
     return r;
   }
 
-  TriangleAdjacency adjacency_;
   const FeatureGraph& features_;
+  index_t n_input_vertices_;
   std::span<const SurfaceSample> samples_;
   RetriangulationOptions options_;
   double diagonal_;  // of the box round the input
@@ -141,20 +144,18 @@ private:
 /// Where walls are thin for the spacing of the samples the result may cross itself. Triangles that do are cut at their
 /// longest edges, at points of the input, until they do not.
 ///
-/// @param surface   closed (or with rims), edge-manifold, oriented outward.
-/// @param features  of `surface`. Every corner should be a sample; one that is not stays as an unremoved vertex.
-/// @param samples   in any order, no two the same point; each closed curve needs three, each corner itself.
+/// @param surface  closed (or with rims), oriented outward. Every corner should be a sample; one that is not stays as an
+///                 unremoved vertex.
+/// @param samples  in any order, no two the same point; each closed curve needs three, each corner itself.
 /// @return samples as vertices 0 to n-1 at their exact positions, then the input vertices that could not be removed,
 ///         then those added by the repair.
 /// @throws invalid_coordinate, invalid_connectivity  with the index of a sample that is not finite or refers to no
-/// entity;
-///         invalid_option with two samples in one place; nonmanifold.
+///         entity; invalid_option with two samples in one place.
 /// @par Complexity   O(n log n) for n vertices and samples evenly spread; about 1 kB each.
 /// @par Determinism  The same everywhere up to rounding.
-inline Retriangulation retriangulate(const IndexedTriangleMesh& surface, const FeatureGraph& features,
-                                     std::span<const SurfaceSample> samples,
+inline Retriangulation retriangulate(const Surface& surface, std::span<const SurfaceSample> samples,
                                      const RetriangulationOptions& options = {}) {
-  return detail::Retriangulator(surface, features, samples, options).run();
+  return detail::Retriangulator(surface, samples, options).run();
 }
 
 }  // namespace framehex

@@ -133,7 +133,7 @@ inline bool are_plainly_apart(const std::array<Vector3, 3>& s, const std::array<
 }
 
 /// Do two triangles of a mesh have a point in common that is not on a shared edge or at a shared vertex?
-inline bool triangles_cross(const std::vector<Vector3>& points, const std::array<index_t, 3>& s,
+inline bool triangles_cross(std::span<const Vector3> points, const std::array<index_t, 3>& s,
                             const std::array<index_t, 3>& t) {
   // Turn each so that what they share comes first.
   std::array<index_t, 3> u = s, v = t;
@@ -167,12 +167,14 @@ inline bool triangles_cross(const std::vector<Vector3>& points, const std::array
 /// touch in one coordinate are reported and two that pass at the last bit are not. A tetrahedraliser of the inside
 /// refuses such surfaces.
 ///
-/// @param surface    indices in range.
+/// @param mesh       indices in range.
 /// @param max_pairs  the search stops when it has found so many.
 /// @return pairs (smaller triangle first), sorted.
 /// @par Complexity   O(n log n) for triangles that are not all in one place.
-inline std::vector<std::array<index_t, 2>> find_self_intersections(
-    const IndexedTriangleMesh& surface, std::size_t max_pairs = static_cast<std::size_t>(-1)) {
+template <TriangleMesh M>
+std::vector<std::array<index_t, 2>> find_self_intersections(const M& mesh,
+                                                            std::size_t max_pairs = static_cast<std::size_t>(-1)) {
+  const auto& surface = detail::flat(mesh);
   std::vector<detail::BoxTree::Bounds> boxes;
   boxes.reserve(surface.triangles.size());
   for (const auto& t : surface.triangles)

@@ -38,8 +38,10 @@ class SurfaceLocator {
 public:
   SurfaceLocator() = default;
 
-  /// @param surface  triangle indices in range; need not be closed but for `inside`.
-  explicit SurfaceLocator(const IndexedTriangleMesh& surface) {
+  /// @param mesh  triangle indices in range; need not be closed but for `inside`.
+  template <TriangleMesh M>
+  explicit SurfaceLocator(const M& mesh) {
+    const auto& surface = detail::flat(mesh);
     std::vector<detail::BoxTree::Bounds> boxes;
     boxes.reserve(surface.triangles.size());
     for (const auto& t : surface.triangles)

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/mesh/adjacency.hpp"
-#include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/surface/surface.hpp"
 
 #include <cstdint>
 #include <span>
@@ -27,21 +26,21 @@ struct SurfaceWalk {
 /// Straightest paths on a triangulated surface: straight in each triangle, unfolded across each edge, so that distances
 /// are those along the surface. Walls (feature edges, rims) stop them.
 ///
-/// Concurrent walks are safe. References are kept to the arguments of the constructor.
+/// Concurrent walks are safe. A reference to the surface is kept.
 class SurfaceWalker {
 public:
-  /// @param surface, adjacency  n triangles; `adjacency` of that surface.
-  /// @param walls               3 n half edges: 1 where a walk ends; may be empty.
-  SurfaceWalker(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency,
-                std::span<const std::uint8_t> walls)
-      : points_(surface.points), adjacency_(adjacency), walls_(walls) {
-    normals_.reserve(surface.triangles.size());
-    for (const auto& t : surface.triangles) {
+  /// @param surface  its features are walls.
+  explicit SurfaceWalker(const Surface& surface)
+      : points_(surface.points), adjacency_(surface.adjacency), walls_(surface.features.is_feature) {
+    normals_.reserve(surface.triangles().size());
+    for (const auto& t : surface.triangles()) {
       const Vector3 normal = (points_[t[1]] - points_[t[0]]).cross(points_[t[2]] - points_[t[0]]);
       const double length = normal.norm();
       normals_.push_back(length > 0 ? Vector3(normal / length) : Vector3::Zero());
     }
   }
+
+  explicit SurfaceWalker(const Surface&&) = delete;
 
   /// Outward unit normal; zero for a triangle without area.
   const Vector3& normal(index_t triangle) const { return normals_[triangle]; }

@@ -16,11 +16,13 @@ namespace framehex {
 
 /// Refuses an edge of the background mesh that would ask for more than `max_points`, before anything is made of it.
 ///
-/// @param surface  n triangles, to be split to that edge; finite coordinates.
+/// @param mesh  n triangles, to be split to that edge; finite coordinates.
 /// @throws invalid_option  when `edge` is not positive and finite, or for too many points in the box of the surface or
 ///                         triangles on it, with the number.
 /// @par Complexity   O(n).
-inline void check_background_edge(const IndexedTriangleMesh& surface, double edge, double max_points) {
+template <TriangleMesh M>
+void check_background_edge(const M& mesh, double edge, double max_points) {
+  const auto& surface = detail::flat(mesh);
   if (!(edge > 0) || !std::isfinite(edge)) throw invalid_option("the background edge must be positive and finite");
   double area = 0;
   for (const auto& t : surface.triangles)
@@ -41,16 +43,17 @@ inline void check_background_edge(const IndexedTriangleMesh& surface, double edg
 /// The frame field is computed on the tetrahedra of these points and of the surface's own; their size decides how
 /// sharply it is resolved, not where the points of the result are. Body-centred lattices give well-shaped tetrahedra.
 ///
-/// @param surface  closed, outward, n triangles.
-/// @param locator  of that surface.
+/// @param mesh     closed, outward, n triangles.
+/// @param locator  of that surface, however its triangles are split.
 /// @param edge     side of the cubes, in the surface's unit, > 0.
 /// @return points inside, ascending by layer, none nearer than edge / 2 to the surface.
 /// @throws invalid_option  as `check_background_edge`.
 /// @par Complexity   O(m log n) time for m lattice points in the bounding box, O(m) memory.
-template <Executor E = SerialExecutor>
-std::vector<Vector3> background_points(const IndexedTriangleMesh& surface, const SurfaceLocator& locator, double edge,
+template <TriangleMesh M, Executor E = SerialExecutor>
+std::vector<Vector3> background_points(const M& mesh, const SurfaceLocator& locator, double edge,
                                        const E& executor = {}, double max_points = 2e7) {
-  check_background_edge(surface, edge, max_points);
+  check_background_edge(mesh, edge, max_points);
+  const auto& surface = detail::flat(mesh);
   const Eigen::AlignedBox3d box = bounding_box(surface.points);
   const Vector3 low = box.min(), extent = box.sizes() / edge;
 

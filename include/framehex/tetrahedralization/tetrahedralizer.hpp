@@ -42,6 +42,7 @@ concept Tetrahedralizer = requires(const T& tetrahedralizer, const Tetrahedraliz
 /// A tetrahedral mesh inside a surface, checked.
 struct Tetrahedralization {
   IndexedTetMesh mesh;  ///< the points of the request, unmoved and in order, then extra points
+  TetAdjacency adjacency;
   std::size_t n_extra_points = 0;
   Status status = Status::complete;
 };
@@ -77,8 +78,9 @@ inline std::array<index_t, 3> canonical(const std::array<index_t, 3>& t) {
   return {t[low], t[(low + 1) % 3], t[(low + 2) % 3]};
 }
 
-inline void check_boundary(const IndexedTetMesh& mesh, std::span<const std::array<index_t, 3>> wanted) {
-  const BoundarySurface boundary = extract_boundary(mesh, make_adjacency(mesh));
+inline void check_boundary(const IndexedTetMesh& mesh, const TetAdjacency& adjacency,
+                           std::span<const std::array<index_t, 3>> wanted) {
+  const BoundarySurface boundary = extract_boundary(mesh, adjacency);
   std::vector<std::array<index_t, 3>> found, expected;
   for (const auto& t : boundary.surface.triangles)
     found.push_back(canonical({boundary.vertex_of[t[0]], boundary.vertex_of[t[1]], boundary.vertex_of[t[2]]}));
@@ -111,33 +113,34 @@ inline void check_points_used(const IndexedTetMesh& mesh) {
 
 /// Fills a closed surface with tetrahedra, and trusts nobody: checks the input before and the answer after.
 ///
-/// @param surface    closed, outward; its points come first in the result.
+/// @param host       closed, outward; its points come first in the result.
 /// @param interior   points strictly inside, none nearer than about 0.05 of the local spacing to the surface or to each
 ///                   other (backends split the surface, or merge points, when they are).
-/// @return the mesh; every point is a vertex and the surface triangles are exactly the boundary. Empty when cancelled.
+/// @return the mesh and its adjacency; every point is a vertex and the surface triangles are exactly the boundary. Empty when cancelled.
 /// @throws what `validate_closed` throws; `invalid_surface` from the backend; `tetrahedralization_error` naming the
-/// first
-///         tetrahedron, triangle or point that breaks the promise.
+///         first tetrahedron, triangle or point that breaks the promise.
 /// @par Complexity   the backend's, and O(n log n) for the checks.
-template <Tetrahedralizer T>
-Tetrahedralization tetrahedralize(const T& tetrahedralizer, const IndexedTriangleMesh& surface,
-                                  std::span<const Vector3> interior, const Observer& observer = {}) {
-  validate_closed(surface);
+template <Tetrahedralizer T, TriangleMesh M>
+Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::span<const Vector3> interior,
+                                  const Observer& observer = {}) {
+  validate_closed(host);
+  const auto& surface = detail::flat(host);
   if (detail::enclosed_determinant(surface.points, surface.triangles) <= 0)
     throw invalid_surface("the surface is inside out: its triangles must be anticlockwise seen from outside");
   Tetrahedralization result;
-  result.mesh.points = surface.points;
+  result.mesh.points.assign(surface.points.begin(), surface.points.end());
   result.mesh.points.insert(result.mesh.points.end(), interior.begin(), interior.end());
   TetrahedralizationResult answer = tetrahedralizer(
       TetrahedralizationRequest{result.mesh.points, surface.points.size(), surface.triangles, observer});
   result.status = answer.status;
-  if (answer.status != Status::complete) return {.mesh = {}, .n_extra_points = 0, .status = answer.status};
+  if (answer.status != Status::complete) return {.mesh = {}, .adjacency = {}, .status = answer.status};
   result.mesh.tets = std::move(answer.tets);
   result.n_extra_points = answer.extra_points.size();
   result.mesh.points.insert(result.mesh.points.end(), answer.extra_points.begin(), answer.extra_points.end());
 
   detail::check_tets(result.mesh);
-  detail::check_boundary(result.mesh, surface.triangles);
+  result.adjacency = make_adjacency(result.mesh);
+  detail::check_boundary(result.mesh, result.adjacency, surface.triangles);
   detail::check_points_used(result.mesh);
   double sum = 0;
   for (const auto& t : result.mesh.tets)

@@ -37,12 +37,14 @@ void visit_samples(const Vector3& a, const Vector3& b, const Vector3& c, Visit&&
 /// triangles; a quadrilateral counts as its two triangles.
 ///
 /// @param mesh       its faces used once are taken as the boundary.
-/// @param surface    at least one triangle.
+/// @param host       the surface: any TriangleMesh with at least one triangle.
 /// @param tolerance  distance beyond which a boundary face is reported, in the unit of the coordinates.
 /// @return distances at the sampled points (a lower bound of the Hausdorff distance), and the offending faces.
 /// @par Complexity   O(n log n).
-inline DeviationReport boundary_deviation(const MixedMesh& mesh, const IndexedTriangleMesh& surface,
-                                          double tolerance = std::numeric_limits<double>::infinity()) {
+template <TriangleMesh Host>
+DeviationReport boundary_deviation(const MixedMesh& mesh, const Host& host,
+                                   double tolerance = std::numeric_limits<double>::infinity()) {
+  const auto& surface = framehex::detail::flat(host);
   DeviationReport report;
   IndexedTriangleMesh boundary;
   boundary.points = mesh.points;

@@ -44,8 +44,7 @@ struct Originals {
 
 /// Takes a hexahedron or prism back into its tetrahedra; its quadrilateral neighbours become open.
 /// @return false, with nothing changed, when a vertex has moved so that one of the tetrahedra is no longer valid, or
-/// when
-///         a face is open with another diagonal than the tetrahedra have.
+///         when a face is open with another diagonal than the tetrahedra have.
 inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals& originals, index_t id) {
   const CellComplex::Cell cell = complex.cells[id];
   if (cell.source == no_index) return false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/field/frame_measures.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 namespace framehex {
@@ -17,14 +18,14 @@ namespace framehex {
 /// @par Source       The paper, section 3.3 (the initial condition).
 template <Executor E = SerialExecutor>
 void start_nearest(std::span<const Vector3> points, std::span<const FrameConstraint> constraints,
-                   const IndexedTriangleMesh& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
+                   const Surface& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                    std::span<Quaternion> frames, const E& executor = {}) {
-  if (surface.triangles.empty()) return;
+  if (surface.triangles().empty()) return;
   for_blocks(executor, points.size(), detail::block_size, [&](std::size_t first, std::size_t last) {
     for (std::size_t v = first; v < last; ++v) {
       if (constraints[v] != FrameConstraint::none) continue;
       const SurfacePoint at = locator.nearest(points[v]);
-      const auto& t = surface.triangles[at.triangle];
+      const auto& t = surface.triangles()[at.triangle];
       frames[v] = detail::mean_frame<3>({boundary.frames[t[0]], boundary.frames[t[1]], boundary.frames[t[2]]},
                                         {at.barycentric[0], at.barycentric[1], at.barycentric[2]});
     }

@@ -24,9 +24,8 @@ struct Sector {
 /// Where the samples of corners and curves lie among the triangles.
 class CurveSites {
 public:
-  CurveSites(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
-             const SurfaceWalker& walker)
-      : surface_(surface), adjacency_(adjacency), features_(features), walker_(walker) {}
+  CurveSites(const Surface& surface, const SurfaceWalker& walker)
+      : surface_(surface), adjacency_(surface.adjacency), features_(surface.features), walker_(walker) {}
 
   /// All sectors round a sample, by ascending triangle.
   std::vector<Sector> sectors(const SurfaceSample& sample) const {
@@ -72,7 +71,7 @@ private:
     return result;
   }
 
-  const IndexedTriangleMesh& surface_;
+  const Surface& surface_;
   const TriangleAdjacency& adjacency_;
   const FeatureGraph& features_;
   const SurfaceWalker& walker_;

@@ -40,20 +40,17 @@ public:
   using Parents = std::array<Parent, 4>;           ///< along the four directions of the candidate
   static constexpr std::size_t any_direction = 4;  ///< of curve samples, whose links are in no order
 
-  /// @param surface, adjacency, features, size  kept by reference.
+  /// @param surface, size  kept by reference.
   /// @throws invalid_option  when something is not one for each of what it belongs to.
-  SurfaceLattice(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features,
-                 std::span<const Quaternion> frames, std::span<const double> smoothness, const Size& size,
-                 double rejection, const SurfaceOptions& options)
-      : features_(features),
+  SurfaceLattice(const Surface& surface, std::span<const Quaternion> frames, std::span<const double> smoothness,
+                 const Size& size, double rejection, const SurfaceOptions& options)
+      : features_(surface.features),
         size_(size),
         rejection_(rejection),
         boundary_distance_(options.boundary_distance),
         link_distance_(*options.link_distance),
-        walker_(surface, adjacency,
-                one_each(std::span(std::as_const(features.is_feature)), 3 * surface.triangles.size(), "feature flags",
-                         "half edges")),
-        cross_(surface, adjacency, walker_, one_each(frames, surface.triangles.size(), "frames", "triangles"),
+        walker_(with_features(surface)),
+        cross_(surface, walker_, one_each(frames, surface.triangles().size(), "frames", "triangles"),
                smoothness.empty() ? smoothness
                                   : one_each(smoothness, surface.points.size(), "smoothness values", "vertices")),
         proximity_(1.0) {}
@@ -203,6 +200,11 @@ public:
   }
 
 private:
+  static const Surface& with_features(const Surface& surface) {
+    one_each(std::span(surface.features.is_feature), 3 * surface.triangles().size(), "feature flags", "half edges");
+    return surface;
+  }
+
   bool is_curve_sample(index_t q) const { return q < insertion_.n_curve_samples; }
 
   /// Is sample q on the patch of the place, facing the same way?

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/mesh/adjacency.hpp"
-#include "framehex/mesh/indexed_mesh.hpp"
-#include "framehex/surface/feature_graph.hpp"
+#include "framehex/surface/surface.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -27,14 +25,14 @@ public:
   std::vector<index_t> parent;        ///< per triangle: triangle of the surface that was read
   std::vector<index_t> half_edge_of;  ///< per vertex: one that leaves it; `no_index` for a vertex without triangles
 
-  EditableSurface(const IndexedTriangleMesh& surface, const TriangleAdjacency& adjacency, const FeatureGraph& features)
+  explicit EditableSurface(const Surface& surface)
       : points(surface.points),
-        corners(surface.triangles),
-        opposite(adjacency.opposite),
-        feature(features.is_feature),
-        sector(3 * surface.triangles.size(), no_index),
-        patch(features.triangle_patch),
-        parent(surface.triangles.size()),
+        corners(surface.triangles()),
+        opposite(surface.adjacency.opposite),
+        feature(surface.features.is_feature),
+        sector(3 * corners.size(), no_index),
+        patch(surface.features.triangle_patch),
+        parent(corners.size()),
         half_edge_of(surface.points.size(), no_index) {
     for (index_t t = 0; t < corners.size(); ++t) parent[t] = t;
     for (index_t h = 0; h < opposite.size(); ++h)

@@ -4,12 +4,13 @@
 #include "framehex/mesh/adjacency.hpp"
 
 #include <numeric>
+#include <span>
 
 namespace framehex::detail {
 
 /// Unit normals of triangles. One without area (height below 1e-9 of its longest edge) takes the normal across its
 /// longest edge, from which it cannot be told apart; zero when there is none to take.
-inline std::vector<Vector3> triangle_normals(const std::vector<Vector3>& points, const TriangleAdjacency& adjacency) {
+inline std::vector<Vector3> triangle_normals(std::span<const Vector3> points, const TriangleAdjacency& adjacency) {
   const std::size_t n = adjacency.triangles.size();
   std::vector<Vector3> normals(n, Vector3::Zero());
   std::vector<index_t> flat;
