@@ -248,14 +248,13 @@ TEST_CASE("bad samples are refused by name") {
 }
 
 TEST_CASE("two samples in one place are refused, of whatever kind, with both numbers") {
-  const auto surface = test::box_surface({1, 1, 1});
-  const FeatureGraph features = detect_features(surface, make_adjacency(surface));
-  const auto samples = test::scatter_samples(surface, features, 0.3);
+  const Surface surface = test::box_surface({1, 1, 1});
+  const auto samples = test::scatter_samples(surface, 0.3);
   const auto refused = [&](std::size_t first, const SurfaceSample& twin) {
     auto more = samples;
     more.push_back(twin);
     try {
-      (void)retriangulate(surface, features, more);
+      (void)retriangulate(surface, more);
       return false;
     } catch (const invalid_option& e) {
       return e.entity() == Entity::vertex && e.indices() == std::vector<std::size_t>{first, samples.size()};
@@ -275,21 +274,20 @@ TEST_CASE("two samples in one place are refused, of whatever kind, with both num
   }
   for (const int n : kinds) CHECK(n > 7);
   // On the edge between two triangles, once from each side.
-  for (index_t h = 0; h < 3 * surface.triangles.size(); ++h) {
-    const TriangleAdjacency adjacency = make_adjacency(surface);
-    if (features.is_feature[h]) continue;
+  for (index_t h = 0; h < 3 * surface.triangles().size(); ++h) {
+    const TriangleAdjacency& adjacency = surface.adjacency;
+    if (surface.features.is_feature[h]) continue;
     const Vector3 middle = 0.51 * surface.points[adjacency.from(h)] + 0.49 * surface.points[adjacency.to(h)];
     const std::vector<SurfaceSample> twins{{middle, SampleKind::surface, h / 3, 0},
                                            {middle, SampleKind::surface, adjacency.opposite[h] / 3, 0}};
-    CHECK_THROWS_AS(retriangulate(surface, features, twins), invalid_option);
+    CHECK_THROWS_AS(retriangulate(surface, twins), invalid_option);
   }
 }
 
 TEST_CASE("a surface that crosses itself does not make the repair run away") {
   const auto torus = test::torus_surface(1, 1.3, 60, 40);
-  const FeatureGraph features = detect_features(torus, make_adjacency(torus));
-  const auto samples = test::scatter_samples(torus, features, 0.2);
-  const Retriangulation r = retriangulate(torus, features, samples);
+  const auto samples = test::scatter_samples(torus, 0.2);
+  const Retriangulation r = retriangulate(torus, samples);
   CHECK(r.n_crossings > 0);
   CHECK(r.n_added < 20 * samples.size());
 }
