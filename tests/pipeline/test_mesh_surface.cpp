@@ -4,13 +4,16 @@
 #include "framehex/verify/boundary_deviation.hpp"
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"
+#include "support/complexes.hpp"
 #include "support/kuhn_lattice.hpp"
 #include "support/ply.hpp"
 #include "support/stl.hpp"
-#include "support/surfaces.hpp"
+#include "support/surface_samples.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <list>
+#include <map>
 #include <set>
 
 using namespace framehex;
@@ -26,6 +29,45 @@ IndexedTriangleMesh box(const Vector3& sides, double turn) {
   return surface;
 }
 
+/// A host of pointers in single precision, which cannot be copied.
+struct HostSurface {
+  struct Vertex {
+    float x, y, z;
+    unsigned number;
+  };
+  using Triangle = std::array<const Vertex*, 3>;
+  std::list<Vertex> vertices;
+  std::list<Triangle> triangles;
+
+  HostSurface() = default;
+  HostSurface(const HostSurface&) = delete;
+  HostSurface& operator=(const HostSurface&) = delete;
+};
+
+/// Gives the host the shape of a mesh, whose coordinates are rounded to single precision too.
+void fill(HostSurface& host, IndexedTriangleMesh& mesh) {
+  std::vector<const HostSurface::Vertex*> at;
+  for (Vector3& p : mesh.points) {
+    const Eigen::Vector3f q = p.cast<float>();
+    p = q.cast<double>();
+    at.push_back(&host.vertices.emplace_back(HostSurface::Vertex{q.x(), q.y(), q.z(), unsigned(at.size())}));
+  }
+  for (const auto& t : mesh.triangles) host.triangles.push_back({at[t[0]], at[t[1]], at[t[2]]});
+}
+
+/// Volume of each region, by its cells.
+std::map<index_t, double> region_volumes(const MixedMesh& mesh) {
+  std::map<index_t, MixedMesh> parts;
+  for (index_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    MixedMesh& part = parts[mesh.regions.empty() ? 0 : mesh.regions[cell]];
+    part.points = mesh.points;
+    part.add(mesh.kinds[cell], mesh.cells[cell]);
+  }
+  std::map<index_t, double> volumes;
+  for (const auto& [region, part] : parts) volumes[region] = verify::volume(part).cells;
+  return volumes;
+}
+
 struct Constant {
   double value;
   double operator()(const Vector3&) const { return value; }
@@ -36,6 +78,24 @@ std::size_t n_of(const MixedMesh& mesh, CellKind kind) {
 }
 
 }  // namespace
+
+template <>
+struct framehex::mesh_traits<HostSurface> {
+  using vertex_type = const HostSurface::Vertex*;
+  using cell_type = const HostSurface::Triangle*;
+  using scalar_type = float;
+  static auto vertices(const HostSurface& m) {
+    return m.vertices | std::views::transform([](const HostSurface::Vertex& v) { return &v; });
+  }
+  static auto cells(const HostSurface& m) {
+    return m.triangles | std::views::transform([](const HostSurface::Triangle& t) { return &t; });
+  }
+  static std::size_t index(const HostSurface&, vertex_type v) { return v->number; }
+  static std::array<float, 3> point(const HostSurface&, vertex_type v) { return {v->x, v->y, v->z}; }
+  static std::array<vertex_type, 3> cell_vertices(const HostSurface&, cell_type t) { return *t; }
+};
+
+static_assert(TriangleMesh<HostSurface>);
 
 TEST_CASE("a box at a size that divides its sides is all hexahedra, however it is turned, in every variant") {
   const auto turn = GENERATE(0.0, 0.7);
@@ -157,4 +217,118 @@ TEST_CASE("points in smoothness order make more hexahedra than first in, first o
     return volume.by_kind[static_cast<std::size_t>(CellKind::hexahedron)] / volume.cells;
   };
   CHECK(hexahedra_by_volume(PointOrder::smoothness) > hexahedra_by_volume(PointOrder::fifo));
+}
+
+TEST_CASE("a host's surface of pointers goes through every stage as the same surface in arrays does") {
+  IndexedTriangleMesh mesh = test::cylinder_surface(0.5, 1, 24);
+  HostSurface host;
+  fill(host, mesh);
+  const Constant size{0.25};
+  const auto length = [](const Vector3&) { return 0.3; };
+  CHECK_NOTHROW(validate_closed(host));
+  CHECK(find_self_intersections(host).empty());
+  CHECK(enclosed_volume(host) == enclosed_volume(mesh));
+  const FeatureGraph features = detect_features(host);
+  CHECK(features.curves.values == detect_features(mesh).curves.values);
+  CHECK(features.triangle_patch == detect_features(mesh).triangle_patch);
+  CHECK(find_regions(host).n_regions == 1);
+  CHECK(refine(host, length).surface.triangles() == refine(mesh, length).surface.triangles());
+  const SurfaceCrossField cross = compute_cross_field(host);
+  CHECK(cross.smoothness == compute_cross_field(mesh).smoothness);
+  const CurveInsertion curves = insert_curve_points(host, size);
+  const SurfaceInsertion samples = insert_surface_points(host, cross.frames, cross.smoothness, curves, size);
+  CHECK(samples.samples.size() ==
+        insert_surface_points(mesh, cross.frames, cross.smoothness, curves, size).samples.size());
+  CHECK(retriangulate(host, samples.samples).surface.triangles() ==
+        retriangulate(mesh, samples.samples).surface.triangles());
+  CHECK(estimate_surface_points(host, size).n_points == estimate_surface_points(mesh, size).n_points);
+  const SurfaceLocator locator(host);
+  const auto interior = background_points(host, locator, 0.3);
+  CHECK(interior == background_points(mesh, SurfaceLocator(mesh), 0.3));
+  const Tetrahedralization tets = tetrahedralize(TetgenProcess{}, host, interior);
+  CHECK(tets.mesh.points.size() == mesh.points.size() + interior.size());
+  CHECK(tets.adjacency.tets == tets.mesh.tets);
+  CHECK_NOTHROW(make_boundary_frames(host, cross.frames));
+  CHECK_NOTHROW(compute_frame_field(tets.mesh, host, cross.frames));
+  Vector3 place(0.4, 0, 2);
+  CHECK(BoundarySlider(host, std::vector<Vector3>{{0, 0, 1}}, {}, 1e-6)(0, place));
+  CHECK((place - Vector3(0.4, 0, 1)).norm() < 1e-6);
+
+  MeshingOptions options;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    options.features.patches.push_back(features.triangle_patch[t] == 0 ? 70 : 80);
+  const MeshingResult result = mesh_surface(host, size, TetgenProcess{}, options);
+  CHECK(verify::is_conforming(result.recombination.mesh));
+  CHECK(verify::boundary_deviation(result.recombination.mesh, host).mesh_to_surface_max < 0.05);  // chords
+  std::set<index_t> labels;
+  for (const LabelledFace& face : result.recombination.mesh.faces) labels.insert(face.label);
+  CHECK(labels == std::set<index_t>{70, 80});
+}
+
+TEST_CASE("every region of a complex is filled, and what lies between two is meshed once") {
+  struct Case {
+    IndexedTriangleMesh mesh;
+    double h;
+    double tolerance;  // of the volumes: what chords cut off
+  };
+  for (const Case& c : {Case{test::two_material_box(), 0.2, 1e-9}, Case{test::nested_shells(2), 0.2, 0.15},
+                        Case{test::ball_half_in_box(16), 0.2, 0.1}}) {
+    const Surface surface(c.mesh);
+    const SurfaceRegions regions = find_regions(surface);
+    const MeshingResult result = mesh_surface(c.mesh, Constant{c.h}, TetgenProcess{});
+    const MixedMesh& mesh = result.recombination.mesh;
+    CHECK(result.statistics.n_regions == regions.n_regions);
+    CHECK(verify::is_conforming(mesh));
+    CHECK(verify::is_valid(mesh));
+    CHECK(n_of(mesh, CellKind::hexahedron) > 50);
+    const auto volumes = region_volumes(mesh);
+    REQUIRE(volumes.size() == regions.n_regions);
+    for (const auto& [region, volume] : volumes)
+      CHECK(volume == Approx(enclosed_volume(region_surface(surface, regions, region).surface)).epsilon(c.tolerance));
+
+    // A face lies between the regions that its patch separates, and every face between two regions is labelled.
+    std::map<std::array<index_t, 4>, index_t> label;
+    const auto key = [](std::array<index_t, 4> vertices) {
+      std::sort(vertices.begin(), vertices.end());
+      return vertices;
+    };
+    for (const LabelledFace& face : mesh.faces) label[key(face.vertices)] = face.label;
+    CHECK(label.size() == mesh.faces.size());
+    const FaceTable table = make_face_table(mesh);
+    std::size_t n_between = 0;
+    for (std::size_t i = 0; i < table.n_groups(); ++i) {
+      std::vector<index_t> sides;
+      for (const CellFace& face : table.group(i)) sides.push_back(mesh.regions[face.cell]);
+      if (sides.size() == 1) sides.push_back(no_index);
+      std::sort(sides.begin(), sides.end());
+      const auto found = label.find(key(table.group(i)[0].vertices));
+      CHECK((found != label.end()) == (sides[0] != sides[1]));
+      if (found == label.end()) continue;
+      auto wanted = regions.sides[found->second];
+      std::sort(wanted.begin(), wanted.end());
+      CHECK(std::ranges::equal(wanted, sides));
+      n_between += sides[1] != no_index;
+    }
+    CHECK(n_between > 10);
+  }
+}
+
+TEST_CASE("a complex comes out the same for any number of threads, and its field may pass through the interfaces") {
+  const IndexedTriangleMesh mesh = test::two_material_box();
+  const auto run = [&](const MeshingOptions& options, const auto& executor) {
+    return mesh_surface(mesh, Constant{0.25}, TetgenProcess{}, options, executor);
+  };
+  const MeshingResult one = run({}, SerialExecutor{});
+  for (const unsigned threads : {2u, 3u}) {
+    const MeshingResult more = run({}, ThreadExecutor(threads));
+    CHECK(more.recombination.mesh.points == one.recombination.mesh.points);
+    CHECK(more.recombination.mesh.cells.values == one.recombination.mesh.cells.values);
+    CHECK(more.recombination.mesh.regions == one.recombination.mesh.regions);
+  }
+  // Without the leaning wall the field of a box is constant.
+  const MeshingResult free = run({.interfaces = InterfaceFrames::free}, SerialExecutor{});
+  CHECK(free.statistics.smoothness_mean == Approx(1).margin(1e-6));
+  CHECK(one.statistics.smoothness_mean < 0.99);
+  CHECK(verify::is_conforming(free.recombination.mesh));
+  CHECK(region_volumes(free.recombination.mesh).size() == 2);
 }

@@ -159,6 +159,7 @@ private:
   void gather(index_t v) {
     fan_.clear();
     tangents_.clear();
+    tangent_ends_.clear();
     for (const index_t t : adjacency_.triangles_of_vertex[v]) {
       index_t h = 3 * t;
       while (adjacency_.from(h) != v) ++h;
@@ -166,9 +167,9 @@ private:
       const Vector3 a = surface_.points[adjacency_.to(h)] - p, b = surface_.points[adjacency_.apex(h)] - p;
       const Vector3 cross = a.cross(b);
       const double area = cross.norm();
-      if (is_feature(h)) add_tangent(a);
+      if (is_feature(h)) add_tangent(adjacency_.to(h), a);
       const index_t in = TriangleAdjacency::previous(h);
-      if (is_feature(in) && adjacency_.opposite[in] == no_index) add_tangent(b);
+      if (is_feature(in) && adjacency_.opposite[in] == no_index) add_tangent(adjacency_.from(in), b);
       if (!(area > 0)) continue;  // a triangle without area has no normal
       fan_.push_back({t, h, cross / area, std::atan2(area, a.dot(b)), fan_.size()});
     }
@@ -176,7 +177,10 @@ private:
       throw invalid_field("no triangle round vertex " + std::to_string(v) + " has a normal", Entity::vertex, {v});
   }
 
-  void add_tangent(const Vector3& edge) {
+  /// Where several sheets meet each has the edge; it counts once.
+  void add_tangent(index_t end, const Vector3& edge) {
+    if (std::find(tangent_ends_.begin(), tangent_ends_.end(), end) != tangent_ends_.end()) return;
+    tangent_ends_.push_back(end);
     const double length = edge.norm();
     if (length > 0) tangents_.push_back(edge / length);
   }
@@ -251,6 +255,7 @@ private:
   BoundaryFrameOptions options_;
   std::vector<Corner> fan_;
   std::vector<Vector3> tangents_;
+  std::vector<index_t> tangent_ends_;
   std::vector<WeightedDirection> directions_;
 };
 

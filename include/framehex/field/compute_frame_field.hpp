@@ -121,36 +121,31 @@ struct MeshFieldOptions {
   FeatureOptions features = {};
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};  ///< `vertex_of` is not looked at
+  /// Label of each tetrahedron: frames follow facets between different labels as they follow the boundary. Empty: the
+  /// boundary only.
+  std::span<const index_t> regions = {};
 };
 
 /// The field of a host's tetrahedral mesh: extracts the boundary, finds features, computes the cross field and the
 /// field.
 ///
-/// @throws nonmanifold  with two vertices of the mesh, when its boundary is not a surface along an edge; invalid_field
-///                      with the vertex or boundary triangle (in the order of `extract_boundary`); and as `validate`.
+/// @throws invalid_field  with the vertex or boundary triangle (in the order of `extract_boundary`); invalid_option  for
+///                        labels that are not one a tetrahedron; and as `validate`.
 template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
                                      FieldReport* report = nullptr) {
   FrameField<Mesh> result(mesh, validated_adjacency(mesh));
-  const BoundarySurface boundary = extract_boundary(mesh, result.adjacency());
+  if (!options.regions.empty() && options.regions.size() != result.adjacency().tets.size())
+    throw invalid_option("there are " + std::to_string(options.regions.size()) + " region labels for " +
+                         std::to_string(result.adjacency().tets.size()) + " tetrahedra");
+  const BoundarySurface boundary = extract_boundary(mesh, result.adjacency(), options.regions);
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
-  try {
-    const Surface surface(boundary.surface, options.features);
-    const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
-    FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
-    if (report) *report = std::move(course);
-    return result;
-  } catch (const nonmanifold& e) {
-    // Its indices are those of the surface, which the host does not know.
-    std::vector<std::size_t> indices;
-    std::string names;
-    for (const std::size_t v : e.indices()) {
-      indices.push_back(boundary.vertex_of[v]);
-      names += (names.empty() ? "" : ", ") + std::to_string(indices.back());
-    }
-    throw nonmanifold("the boundary is not a surface along edge (" + names + ")", e.entity(), indices);
-  }
+  const Surface surface(boundary.surface, options.features);
+  const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
+  FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
+  if (report) *report = std::move(course);
+  return result;
 }
 
 /// Crosses of a surface as a field in the volume has them: what to sample the surface with, so that the points on it

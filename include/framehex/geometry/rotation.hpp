@@ -4,6 +4,7 @@
 #include "framehex/config.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace framehex {
 
@@ -21,6 +22,12 @@ inline Quaternion rotation_between(const Vector3& from, const Vector3& to) {
   }
   const Vector3 axis = from.unitOrthogonal();
   return Quaternion(0, axis.x(), axis.y(), axis.z());
+}
+
+/// An angle (rad) brought to [-pi/4, pi/4] by quarter turns: the difference of two crosses.
+inline double quarter_remainder(double angle) {
+  constexpr double quarter = std::numbers::pi / 2;
+  return angle - quarter * std::round(angle / quarter);
 }
 
 }  // namespace framehex

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/rotation.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/detail/run_front.hpp"
 #include "framehex/insertion/detail/surface_relaxation.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
@@ -71,15 +73,17 @@ public:
 
   /// Runs to the end, or until the observer or `max_points` stops it.
   SurfaceInsertion finish() {
-    const SurfaceInsertion& now = lattice_.insertion();
-    run_queue();
-    for (round_ = 1; round_ <= options_.rounds && now.status == Status::complete; ++round_) {
-      for (index_t sweep = 0; sweep < options_.sweeps && report(0); ++sweep) detail::relax_surface(lattice_);
-      if (now.status != Status::complete) break;
-      for (index_t p = 0; p < lattice_.n_samples(); ++p) push(p);
-      run_queue();
-    }
-    return std::move(lattice_.insertion());
+    SurfaceInsertion& now = lattice_.insertion();
+    const auto given = static_cast<double>(now.n_curve_samples);
+    now.status = detail::run_front(
+        {"surface insertion", options_.observer, options_.rounds, options_.sweeps, options_.max_points,
+         estimate_ + given + 1},
+        [&] { return step(); }, [&] { return now.samples.size() - now.n_curve_samples; },
+        [&] { detail::relax_surface(lattice_); },
+        [&] {
+          for (index_t p = 0; p < lattice_.n_samples(); ++p) push(p);
+        });
+    return std::move(now);
   }
 
   const SurfaceInsertion& result() const { return lattice_.insertion(); }
@@ -116,26 +120,6 @@ private:
   }
 
   void push(index_t p) { queue_.push(p, lattice_.insertion().smoothness[p], lattice_.generation(p)); }
-
-  void run_queue() {
-    constexpr std::size_t steps_per_report = 1024;
-    for (std::size_t n = 0; step(); ++n) {
-      SurfaceInsertion& now = lattice_.insertion();
-      if (now.samples.size() - now.n_curve_samples > options_.max_points) {
-        now.status = Status::budget_exhausted;
-        return;
-      }
-      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(now.n_curve_samples) + 1);
-      if (n % steps_per_report == 0 && !report(std::min(done, 1.0))) return;
-    }
-  }
-
-  /// @param done  share of this round. @return false when the observer has cancelled.
-  bool report(double done) {
-    if (keep_going(options_.observer, "surface insertion", (round_ + done) / (options_.rounds + 1.0))) return true;
-    lattice_.insertion().status = Status::cancelled;
-    return false;
-  }
 
   void estimate(const Surface& surface, const Size& size) {
     const PointEstimate on_surface = estimate_surface_points(surface, size);
@@ -231,9 +215,7 @@ private:
 
   /// Angle from a direction to the nearest one of a cross.
   static double correction(const Vector3& direction, const Eigen::Matrix3d& axes) {
-    const double angle = std::atan2(direction.dot(axes.col(1)), direction.dot(axes.col(0)));
-    constexpr double quarter = std::numbers::pi / 2;
-    return quarter * std::round(angle / quarter) - angle;
+    return -quarter_remainder(std::atan2(direction.dot(axes.col(1)), direction.dot(axes.col(0))));
   }
 
   /// Moves a place along the surface to the mean of its parents' predictions, where a sample may stand there.
@@ -257,7 +239,6 @@ private:
   SurfaceOptions options_;
   Order queue_;
   double estimate_ = 0;
-  index_t round_ = 0;
   Lattice lattice_;
   std::vector<std::vector<detail::Sector>> sectors_;  // of the curve samples: their ways to leave
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/geometry/rotation.hpp"
+#include "framehex/insertion/detail/run_front.hpp"
 #include "framehex/insertion/detail/volume_relaxation.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/insertion_order.hpp"
@@ -59,18 +60,16 @@ public:
 
   /// Runs to the end, or until the observer or `max_points` stops it.
   VolumeInsertion finish() {
-    const VolumeInsertion& now = lattice_.insertion();
-    run_queue();
+    VolumeInsertion& now = lattice_.insertion();
     detail::VolumeRelaxation relaxation(lattice_, now.n_seeds, *options_.least_move);
-    for (round_ = 1; round_ <= options_.rounds && now.status == Status::complete; ++round_) {
-      for (index_t sweep = 0; sweep < options_.sweeps && report(0); ++sweep) relaxation.sweep();
-      if (now.status != Status::complete) break;
-      // A point that stayed would propose what was turned down before.
-      relaxation.take_moved([&](index_t p) { queue_.push(p, now.smoothness[p], now.generations[p]); });
-      run_queue();
-    }
-    lattice_.add_sites(lattice_.insertion());
-    return std::move(lattice_.insertion());
+    now.status = detail::run_front(
+        {"volume insertion", options_.observer, options_.rounds, options_.sweeps, options_.max_points,
+         estimate_ + static_cast<double>(now.n_seeds) + 1},
+        [&] { return step(); }, [&] { return lattice_.n_points() - now.n_seeds; }, [&] { relaxation.sweep(); },
+        // A point that stayed would propose what was turned down before.
+        [&] { relaxation.take_moved([&](index_t p) { queue_.push(p, now.smoothness[p], now.generations[p]); }); });
+    lattice_.add_sites(now);
+    return std::move(now);
   }
 
   /// What there is so far, in O(n).
@@ -95,26 +94,6 @@ private:
     if (!options.least_move) options.least_move = detail::least_move<Order>();
     detail::check_factor("least_move", *options.least_move, 1e-9, 1);
     return options;
-  }
-
-  void run_queue() {
-    constexpr std::size_t steps_per_report = 2048;
-    for (std::size_t n = 0; step(); ++n) {
-      VolumeInsertion& now = lattice_.insertion();
-      if (lattice_.n_points() - now.n_seeds > options_.max_points) {
-        now.status = Status::budget_exhausted;
-        return;
-      }
-      const double done = static_cast<double>(n) / (estimate_ + static_cast<double>(now.n_seeds));
-      if (n % steps_per_report == 0 && !report(std::min(done, 1.0))) return;
-    }
-  }
-
-  /// @param done  share of this round. @return false when the observer has cancelled.
-  bool report(double done) {
-    if (keep_going(options_.observer, "volume insertion", (round_ + done) / (options_.rounds + 1.0))) return true;
-    lattice_.insertion().status = Status::cancelled;
-    return false;
   }
 
   static void check_finite(std::span<const BoundarySeed> seeds) {
@@ -221,7 +200,6 @@ private:
   VolumeOptions options_;
   Order queue_;
   double estimate_ = 0;
-  index_t round_ = 0;
   Lattice lattice_;
   std::vector<std::uint8_t> outward_;  // of a seed: the direction that leaves the domain
 };

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -43,6 +44,11 @@ Csr<index_t> incident_cells(std::size_t n_vertices, const std::vector<std::array
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
       for (const index_t v : cells[cell]) put(v, static_cast<index_t>(cell));
   });
+}
+
+/// One number for an edge, whichever end comes first.
+inline std::uint64_t edge_key(index_t a, index_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
 inline std::array<index_t, 3> sorted(std::array<index_t, 3> facet) {
@@ -132,13 +138,20 @@ struct TriangleAdjacency {
   static index_t previous(index_t half_edge) { return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1; }
 };
 
+/// What becomes of edges where several sheets of a surface meet: of three or more triangles, or of two that run along it
+/// the same way.
+enum class Junctions {
+  refused,
+  open,  ///< none of their half edges has an opposite: each sheet ends there
+};
+
 /// Builds the adjacency of an oriented surface whose indices are in range.
 ///
 /// @throws nonmanifold  with an edge's two vertices, when more than two triangles share it or two run along it the same
 /// way.
 /// @par Complexity   O(n) for bounded valence.
 template <TriangleMesh M>
-TriangleAdjacency make_adjacency(const M& mesh) {
+TriangleAdjacency make_adjacency(const M& mesh, Junctions junctions = Junctions::refused) {
   TriangleAdjacency a;
   a.triangles = triangles(mesh);
   a.triangles_of_vertex = detail::incident_cells(n_vertices(mesh), a.triangles);
@@ -156,15 +169,18 @@ TriangleAdjacency make_adjacency(const M& mesh) {
         if (std::min(a.from(h), a.to(h)) == v) edges.push_back({std::max(a.from(h), a.to(h)), h});
     std::sort(edges.begin(), edges.end(),
               [](const HalfEdge& x, const HalfEdge& y) { return std::tie(x.high, x.id) < std::tie(y.high, y.id); });
-    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-      const HalfEdge &x = edges[i], &y = edges[i + 1];
-      if (x.high != y.high) continue;
-      if (a.opposite[x.id] != no_index || a.from(x.id) == a.from(y.id))
+    for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+      const HalfEdge &x = edges[i], &y = edges[i + 1 < edges.size() ? i + 1 : i];
+      while (end < edges.size() && edges[end].high == x.high) ++end;
+      if (end - i == 1) continue;
+      if (end - i == 2 && a.from(x.id) != a.from(y.id)) {
+        a.opposite[x.id] = y.id;
+        a.opposite[y.id] = x.id;
+      } else if (junctions == Junctions::refused) {
         throw nonmanifold("edge (" + std::to_string(v) + ", " + std::to_string(x.high) +
                               ") is used by more than two triangles, or by two in one direction",
                           Entity::edge, {v, x.high});
-      a.opposite[x.id] = y.id;
-      a.opposite[y.id] = x.id;
+      }
     }
   }
   return a;

@@ -4,11 +4,14 @@
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 
+#include <span>
+
 namespace framehex {
 
-/// The boundary of a tetrahedral mesh as a surface of its own.
+/// The boundary of a tetrahedral mesh, and what lies between its regions, as a surface of its own.
 struct BoundarySurface {
-  IndexedTriangleMesh surface;          ///< outward; vertices ascending in the numbering of the tetrahedral mesh
+  IndexedTriangleMesh surface;          ///< outward, between regions out of the lower label; vertices ascending in the
+                                        ///< numbering of the tetrahedral mesh
   std::vector<index_t> vertex_of;       ///< surface vertex -> vertex of the tetrahedral mesh
   std::vector<index_t> surface_vertex;  ///< vertex of the tetrahedral mesh -> surface vertex, `no_index` inside
   std::vector<index_t> tet_of;          ///< triangle -> the tetrahedron behind it
@@ -16,18 +19,21 @@ struct BoundarySurface {
 
 /// Extracts the boundary triangles in the order of their tetrahedra.
 ///
+/// @param regions  labels of the tetrahedra: facets between different ones are extracted too. Empty: one region.
 /// @par Complexity   O(n).
 template <TetMesh M>
-BoundarySurface extract_boundary(const M& mesh, const TetAdjacency& adjacency) {
+BoundarySurface extract_boundary(const M& mesh, const TetAdjacency& adjacency, std::span<const index_t> regions = {}) {
   BoundarySurface b;
   b.surface_vertex.assign(adjacency.n_vertices(), no_index);
   for (std::size_t tet = 0; tet < adjacency.tets.size(); ++tet)
-    for (int face = 0; face < 4; ++face)
-      if (adjacency.neighbours[tet][static_cast<std::size_t>(face)] == no_index) {
+    for (int face = 0; face < 4; ++face) {
+      const index_t other = adjacency.neighbours[tet][static_cast<std::size_t>(face)];
+      if (other == no_index || (!regions.empty() && regions[tet] < regions[other])) {
         b.surface.triangles.push_back(facet(adjacency.tets[tet], face));
         b.tet_of.push_back(static_cast<index_t>(tet));
         for (const index_t v : b.surface.triangles.back()) b.surface_vertex[v] = 0;
       }
+    }
   const std::vector<Vector3> points = positions(mesh);
   for (std::size_t v = 0; v < points.size(); ++v)
     if (b.surface_vertex[v] != no_index) {

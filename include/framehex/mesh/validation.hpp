@@ -148,6 +148,18 @@ inline void check_closed(const TriangleAdjacency& adjacency) {
 
 }  // namespace detail
 
+/// Checks coordinates and indices of a surface, which may have rims and edges of three or more triangles.
+///
+/// @throws invalid_coordinate, invalid_connectivity, open_surface (no triangles); with the first offender in the order of
+///         the mesh.
+/// @par Complexity   O(n).
+template <TriangleMesh M>
+void validate_surface(const M& mesh) {
+  detail::check_coordinates(mesh);
+  if (detail::checked_connectivity<3>(mesh, Entity::triangle).empty())
+    throw open_surface("the surface has no triangles");
+}
+
 /// Checks that a surface is closed, manifold at its edges and vertices, and consistently oriented.
 ///
 /// @throws invalid_coordinate, invalid_connectivity, nonmanifold, open_surface; with the first offender in the order of
@@ -155,9 +167,7 @@ inline void check_closed(const TriangleAdjacency& adjacency) {
 /// @par Complexity   O(n).
 template <TriangleMesh M>
 void validate_closed(const M& mesh) {
-  detail::check_coordinates(mesh);
-  const auto triangles = detail::checked_connectivity<3>(mesh, Entity::triangle);
-  if (triangles.empty()) throw open_surface("the surface has no triangles");
+  validate_surface(mesh);
   if constexpr (requires {
                   { mesh.adjacency } -> std::convertible_to<const TriangleAdjacency&>;
                 })

@@ -12,6 +12,7 @@
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/regions.hpp"
 #include "framehex/surface/retriangulation.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/tetrahedralization/background.hpp"
@@ -27,11 +28,18 @@ enum class PointOrder {
   smoothness  ///< where the frame field is smoothest first
 };
 
+/// Whether the frame field follows the interfaces between regions.
+enum class InterfaceFrames {
+  aligned,  ///< as it follows the boundary
+  free,     ///< it passes through them
+};
+
 /// Options of all stages; each stage's own options say more.
 struct MeshingOptions {
   FeatureOptions features = {};
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};
+  InterfaceFrames interfaces = InterfaceFrames::aligned;
   PointOrder order = PointOrder::smoothness;
   CurveOptions curves = {};
   SurfaceOptions surface = {};
@@ -47,6 +55,7 @@ struct MeshingOptions {
 struct MeshingStatistics {
   std::size_t n_feature_curves = 0;
   std::size_t n_patches = 0;
+  std::size_t n_regions = 0;
   std::size_t n_background_tets = 0;
   double smoothness_mean = 0;  ///< over the background vertices
   double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
@@ -82,9 +91,10 @@ public:
       *observer = options_.observer;
   }
 
-  /// @param input  closed, with its features.
-  MeshingResult run(Surface input) {
+  /// @param input  with its features; its patches bound `regions`.
+  MeshingResult run(Surface input, SurfaceRegions regions) {
     input_ = std::move(input);
+    regions_ = std::move(regions);
     locator_ = SurfaceLocator(input_);
     check_sizes();
     refine_surface();
@@ -116,9 +126,14 @@ private:
   /// Sizes that ask for too much are refused before anything is made of them.
   void check_sizes() const {
     check_estimate("surface", estimate_surface_points(input_, size_).n_points, options_.surface.max_points);
-    const Eigen::AlignedBox3d box = bounding_box(input_.points);
-    const PointEstimate volume = estimate_volume_points(box.min(), box.max(), SurfaceDomain{locator_}, size_);
-    check_estimate("volume", volume.n_points, options_.volume.max_points);
+    double n_points = 0;
+    for (index_t region = 0; region < regions_.n_regions; ++region) {
+      const RegionSurface part = region_surface(input_, regions_, region);
+      const Eigen::AlignedBox3d box = bounding_box(part.surface.points);
+      const SurfaceLocator locator(part.surface);
+      n_points += estimate_volume_points(box.min(), box.max(), SurfaceDomain{locator}, size_).n_points;
+    }
+    check_estimate("volume", n_points, options_.volume.max_points);
     check_background_edge(input_, background_edge(input_), options_.max_background_points);
   }
 
@@ -135,14 +150,47 @@ private:
     surface_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
     result_.statistics.n_feature_curves = surface_.features.curves.size();
     result_.statistics.n_patches = surface_.features.n_patches;
+    result_.statistics.n_regions = regions_.n_regions;
+  }
+
+  /// Tetrahedra in each region; regions share the vertices of the surface between them.
+  ///
+  /// @param interior  callable: surface of a region, its number -> points inside.
+  template <class Interior>
+  Tetrahedralization fill_regions(Interior&& interior) {
+    Tetrahedralization all;
+    all.mesh.points = surface_.points;
+    tet_regions_.clear();
+    for (index_t region = 0; region < regions_.n_regions; ++region) {
+      const RegionSurface part = region_surface(surface_, regions_, region);
+      const std::vector<Vector3> points = interior(part.surface, region);
+      Tetrahedralization filled = tetrahedralize(tetrahedralizer_, part.surface, points, options_.observer);
+      if (filled.status != Status::complete) return filled;
+      const std::size_t n_surface = part.vertex_of.size(), first = all.mesh.points.size();
+      const auto number = [&](index_t v) {
+        return v < n_surface ? part.vertex_of[v] : static_cast<index_t>(first + v - n_surface);
+      };
+      for (const auto& t : filled.mesh.tets)
+        all.mesh.tets.push_back({number(t[0]), number(t[1]), number(t[2]), number(t[3])});
+      all.mesh.points.insert(all.mesh.points.end(), filled.mesh.points.begin() + static_cast<std::ptrdiff_t>(n_surface),
+                             filled.mesh.points.end());
+      all.n_extra_points += filled.n_extra_points;
+      tet_regions_.resize(all.mesh.tets.size(), region);
+      if (regions_.n_regions == 1) all.adjacency = std::move(filled.adjacency);
+    }
+    if (regions_.n_regions > 1) all.adjacency = make_adjacency(all.mesh);
+    return all;
   }
 
   /// The background mesh is the field's own business.
   bool make_field() {
     if (!going("background mesh", 0)) return false;
-    const std::vector<Vector3> interior =
-        background_points(surface_, locator_, background_edge(surface_), executor_, options_.max_background_points);
-    Tetrahedralization background = tetrahedralize(tetrahedralizer_, surface_, interior, options_.observer);
+    const double edge = background_edge(surface_);
+    Tetrahedralization background = fill_regions([&](const IndexedTriangleMesh& part, index_t) {
+      const SurfaceLocator own = regions_.n_regions == 1 ? SurfaceLocator() : SurfaceLocator(part);
+      return background_points(part, regions_.n_regions == 1 ? locator_ : own, edge, executor_,
+                               options_.max_background_points);
+    });
     result_.statistics.n_background_tets = background.mesh.tets.size();
     if (background.status != Status::complete) return false;
     watch_.lap(seconds_.background);
@@ -151,8 +199,17 @@ private:
     cross_field_ = compute_cross_field(surface_, options_.cross_field);
     if (!going("frame field", 0.2)) return false;
     FieldReport report;
-    field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), surface_, cross_field_.frames,
-                                       options_.field, executor_, &report));
+    if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
+      const auto [outer, vertex_of] = outer_boundary();
+      FieldOptions options = options_.field;
+      options.vertex_of = vertex_of;
+      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), outer,
+                                         compute_cross_field(outer, options_.cross_field).frames, options, executor_,
+                                         &report));
+    } else {
+      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), surface_,
+                                         cross_field_.frames, options_.field, executor_, &report));
+    }
     if (report.status == Status::cancelled) return false;
     // Surface points that follow the volume's idea of the cross meet the volume's points in step.
     if (options_.field.method == FieldMethod::best && options_.field.surface_cross == SurfaceCross::free)
@@ -160,6 +217,21 @@ private:
     note_field();
     watch_.lap(seconds_.field);
     return true;
+  }
+
+  bool has_interfaces() const {
+    for (index_t patch = 0; patch < regions_.sides.size(); ++patch)
+      if (regions_.is_interface(patch)) return true;
+    return false;
+  }
+
+  /// The surface without its interfaces, and the vertices that it keeps.
+  std::pair<Surface, std::vector<index_t>> outer_boundary() const {
+    SurfaceRegions outer = regions_;
+    for (auto& [behind, front] : outer.sides) behind = front == no_index ? 0 : 1;
+    RegionSurface part = region_surface(surface_, outer, 0);
+    return {Surface(part.surface, {.angle = options_.features.angle, .corner_angle = options_.features.corner_angle}),
+            std::move(part.vertex_of)};
   }
 
   void note_field() {
@@ -199,22 +271,44 @@ private:
   }
 
   bool fill_volume() {
-    const std::vector<BoundarySeed> seeds = std::exchange(samples_, {}).seeds();
-    // The boundary of the result, and not the input's, is what the points keep away from.
-    const SurfaceLocator locator(surface_);
-    const SurfaceDomain domain{locator};
-    const auto insert = [&](auto order) {
-      return insert_volume_points(seeds, *field_, size_, domain, options_.volume, order);
-    };
-    VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
-    if (volume.status == Status::cancelled) return false;
-    interior_.assign(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
-    result_.statistics.n_volume_points = interior_.size();
+    seeds_ = std::exchange(samples_, {}).seeds();
+    interior_.clear();
+    for (index_t region = 0; region < regions_.n_regions; ++region) {
+      const RegionSurface part = region_surface(surface_, regions_, region);
+      const std::vector<BoundarySeed> seeds = seeds_of(part, region);
+      // The boundary of the result, and not the input's, is what the points keep away from.
+      const SurfaceLocator locator(part.surface);
+      const SurfaceDomain domain{locator};
+      const auto insert = [&](auto order) {
+        return insert_volume_points(seeds, *field_, size_, domain, options_.volume, order);
+      };
+      VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
+      if (volume.status == Status::cancelled) return false;
+      interior_.emplace_back(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
+      result_.statistics.n_volume_points += interior_.back().size();
+    }
+    seeds_ = {};
     return true;
   }
 
+  /// The samples on the boundary of a region, their normals out of it.
+  std::vector<BoundarySeed> seeds_of(const RegionSurface& part, index_t region) const {
+    std::vector<BoundarySeed> seeds;
+    for (const index_t v : part.vertex_of) {
+      if (v >= seeds_.size()) break;  // of the retriangulation's own
+      BoundarySeed seed = seeds_[v];
+      const index_t patch = surface_.features.triangle_patch[surface_.adjacency.triangles_of_vertex[v][0]];
+      // Only samples inside patches have a normal.
+      if (regions_.sides[patch][0] != region) seed.normal = -seed.normal;
+      seeds.push_back(seed);
+    }
+    return seeds;
+  }
+
   bool make_tets() {
-    tets_ = tetrahedralize(tetrahedralizer_, surface_, std::exchange(interior_, {}), options_.observer);
+    tets_ =
+        fill_regions([&](const IndexedTriangleMesh&, index_t region) { return std::exchange(interior_[region], {}); });
+    interior_.clear();
     result_.statistics.n_tets = tets_.mesh.tets.size();
     return tets_.status == Status::complete;
   }
@@ -237,15 +331,27 @@ private:
     options.faces = faces;
     options.edges = edges;
     options.adjacency = &tets_.adjacency;
+    if (regions_.n_regions > 1) options.regions = tet_regions_;
     if (options.assembly.improvement == ImprovementMode::improve && !options.assembly.boundary_projection)
       options.assembly.boundary_projection = boundary_slider(edges);
     result_.recombination = recombine(tets_.mesh, options, executor_);
+    name_patches();
     StageSeconds& s = result_.recombination.seconds;
     s.background = seconds_.background;
     s.field = seconds_.field;
     s.insertion = seconds_.insertion;
     s.tetrahedralization = seconds_.tetrahedralization;
     return result_.recombination.status == Status::complete;
+  }
+
+  /// Faces get the host's labels where it has given some.
+  void name_patches() {
+    const std::vector<index_t>& given = options_.features.patches;
+    if (given.empty()) return;
+    std::vector<index_t> label(input_.features.n_patches);
+    for (std::size_t t = 0; t < given.size(); ++t) label[input_.features.triangle_patch[t]] = given[t];
+    for (LabelledFace& face : result_.recombination.mesh.faces)
+      if (face.label != no_index) face.label = label[face.label];
   }
 
   /// Keeps boundary vertices on the input as it was given. Those that do not lie on it stay where they are.
@@ -273,34 +379,43 @@ private:
   MeshingResult result_;
   // Each stage takes what it needs and lets go of what no later one reads.
   Surface input_;
+  SurfaceRegions regions_;  // of the input's patches, and of those made of them
   SurfaceLocator locator_;  // of the input
   Surface surface_;         // the input with short edges, then its new triangulation
   SurfaceCrossField cross_field_;
   std::optional<Field> field_;
   SurfaceInsertion samples_;
-  std::vector<Vector3> interior_;
+  std::vector<BoundarySeed> seeds_;             // one a sample
+  std::vector<std::vector<Vector3>> interior_;  // of each region
   Tetrahedralization tets_;
+  std::vector<index_t> tet_regions_;
 };
 
 }  // namespace detail
 
-/// The whole job: from a closed surface to a hex-dominant mesh of its inside.
+/// The whole job: from a surface to a hex-dominant mesh of what it encloses.
 ///
-/// @param surface          any TriangleMesh, closed, outward, edge-manifold; checked first. Coordinates in the host's
-///                         unit.
+/// The surface may separate several materials: edges where their patches meet have three or more triangles. Every region
+/// is filled (see `find_regions`), and what lies between two is meshed once, so that they conform.
+///
+/// @param surface          any TriangleMesh without open edges; checked first. Normals of the outer boundary point
+///                         outward. Coordinates in the host's unit.
 /// @param size             wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
-/// @return the mesh with labels (patches, feature curves), frames, statistics and seconds of each stage.
-/// @throws what `validate_closed`, `tetrahedralize` and the stages throw; nothing is left behind.
+/// @return the mesh with labels (regions when there are several; patches: those of `options.features.patches`, else of
+///         `detect_features`; feature curves), frames, statistics and seconds of each stage.
+/// @throws what `validate_surface`, `find_regions`, `tetrahedralize` and the stages throw; nothing is left behind.
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
-/// @par Source       The paper, section 1, and the stages' own.
+/// @par Source       The paper, section 1, and the stages' own. Departs: regions.
 template <TriangleMesh M, Tetrahedralizer T, SizeField Size, Executor E = SerialExecutor>
 MeshingResult mesh_surface(const M& surface, const Size& size, const T& tetrahedralizer,
                            const MeshingOptions& options = {}, const E& executor = {}) {
-  validate_closed(surface);
+  validate_surface(surface);
+  Surface input(surface, options.features);
+  SurfaceRegions regions = find_regions(input);
   return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor)
-      .run(Surface(surface, options.features));
+      .run(std::move(input), std::move(regions));
 }
 
 }  // namespace framehex

@@ -69,9 +69,7 @@ private:
   double difference(index_t t, index_t s) const {
     const Quaternion fold = rotation_between(walker_.normal(s), walker_.normal(t));
     const Vector3 x = fold * Vector3(axes_[s].col(0));
-    const double angle = std::atan2(x.dot(axes_[t].col(1)), x.dot(axes_[t].col(0)));
-    constexpr double quarter = std::numbers::pi / 2;
-    return angle - quarter * std::round(angle / quarter);
+    return quarter_remainder(std::atan2(x.dot(axes_[t].col(1)), x.dot(axes_[t].col(0))));
   }
 
   /// Mean over the fan of the corner from which `half_edge` starts.

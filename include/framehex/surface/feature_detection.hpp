@@ -18,6 +18,7 @@ struct FeatureOptions {
       50 * std::numbers::pi / 180;  ///< rad; a curve that turns by more at a vertex has a corner there
   index_t stray_edges = 20;         ///< a sharp curve with a loose end is kept from so many edges on
   std::vector<std::array<index_t, 2>> given_edges{};  ///< always features, in either direction
+  std::vector<index_t> patches{};  ///< labels of the triangles; features run between different ones. Empty: none
 };
 
 namespace detail {
@@ -72,7 +73,7 @@ public:
   std::vector<index_t> corners(double corner_angle) const {
     std::vector<index_t> result;
     for (index_t v = 0; v < valence_.size(); ++v)
-      if (valence_[v] > 0 && (valence_[v] != 2 || turn(v) > corner_angle)) result.push_back(v);
+      if (valence_[v] == 0 ? is_pinched(v) : valence_[v] != 2 || turn(v) > corner_angle) result.push_back(v);
     return result;
   }
 
@@ -107,12 +108,45 @@ private:
   void find_sharp(const FeatureOptions& options) {
     const std::vector<Vector3> normals = triangle_normals(points_, adjacency_);
     const double cosine = std::cos(options.angle);
+    const auto& label = options.patches;
+    const std::vector<index_t> first_side = first_sides();
     for (index_t h = 0; h < adjacency_.opposite.size(); ++h) {
       const index_t twin = adjacency_.opposite[h];
       const bool rim = twin == no_index;
-      if (!rim && (twin < h || !(normals[h / 3].dot(normals[twin / 3]) < cosine))) continue;
-      edges_.push_back({{adjacency_.from(h), adjacency_.to(h)}, h, rim});
+      if (rim ? first_side[h] != h : twin < h) continue;
+      const bool given = rim || (!label.empty() && label[h / 3] != label[twin / 3]);
+      if (!given && !(normals[h / 3].dot(normals[twin / 3]) < cosine)) continue;
+      edges_.push_back({{adjacency_.from(h), adjacency_.to(h)}, h, given});
     }
+  }
+
+  /// The smallest half edge on the edge of each rim: where several sheets end there is one edge all the same.
+  std::vector<index_t> first_sides() const {
+    std::vector<std::array<index_t, 3>> rims;
+    for (index_t h = 0; h < adjacency_.opposite.size(); ++h)
+      if (adjacency_.opposite[h] == no_index) {
+        const auto [low, high] = std::minmax({adjacency_.from(h), adjacency_.to(h)});
+        rims.push_back({low, high, h});
+      }
+    std::sort(rims.begin(), rims.end());
+    std::vector<index_t> first(adjacency_.opposite.size(), no_index);
+    for (std::size_t i = 0; i < rims.size(); ++i) {
+      const bool same = i > 0 && rims[i][0] == rims[i - 1][0] && rims[i][1] == rims[i - 1][1];
+      first[rims[i][2]] = same ? first[rims[i - 1][2]] : rims[i][2];
+    }
+    return first;
+  }
+
+  /// Do several sheets meet in a vertex without a feature?
+  bool is_pinched(index_t v) const {
+    const auto around = adjacency_.triangles_of_vertex[v];
+    if (around.empty()) return false;
+    index_t first = 3 * around[0];
+    while (adjacency_.from(first) != v) ++first;
+    std::size_t n_reached = 0;
+    for (index_t h = first; n_reached == 0 || h != first; ++n_reached)
+      h = adjacency_.opposite[TriangleAdjacency::previous(h)];
+    return n_reached != around.size();
   }
 
   void add_given(const FeatureOptions& options) {
@@ -248,6 +282,9 @@ inline void label_patches(const TriangleAdjacency& adjacency, FeatureGraph& grap
 /// See `detect_features`.
 inline FeatureGraph find_features(std::span<const Vector3> points, const TriangleAdjacency& adjacency,
                                   const FeatureOptions& options) {
+  if (!options.patches.empty() && options.patches.size() != adjacency.triangles.size())
+    throw invalid_option("there are " + std::to_string(options.patches.size()) + " patch labels for " +
+                         std::to_string(adjacency.triangles.size()) + " triangles");
   for (const double angle : {options.angle, options.corner_angle})
     if (!(angle > 0 && angle < std::numbers::pi))
       throw invalid_option("a feature angle of " + std::to_string(angle) + " rad is not between 0 and pi");
@@ -264,6 +301,8 @@ inline FeatureGraph find_features(std::span<const Vector3> points, const Triangl
     const index_t twin = adjacency.opposite[edge.half_edge];
     if (twin != no_index) graph.is_feature[twin] = 1;
   }
+  for (index_t h = 0; h < adjacency.opposite.size(); ++h)
+    if (adjacency.opposite[h] == no_index) graph.is_feature[h] = 1;
   label_patches(adjacency, graph);
   return graph;
 }

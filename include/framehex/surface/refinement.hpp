@@ -32,10 +32,6 @@ struct RefinementOptions {
 
 namespace detail {
 
-inline std::uint64_t edge_key(index_t a, index_t b) {
-  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-}
-
 /// Cuts the longest edge (in units of its allowed length) in two until none is too long.
 template <class SizeFn>
 class Refiner {
@@ -111,9 +107,10 @@ private:
       throw invalid_option("refining the surface needs more than " + std::to_string(options_.max_triangles) +
                            " triangles: the greatest edge length is too small");
     const index_t a = surface_.from(h), b = surface_.to(h), g = surface_.opposite[h];
+    const std::vector<index_t> others = surface_.other_sides(h);
     const index_t v = surface_.add_vertex((surface_.points[a] + surface_.points[b]) / 2);
     const bool sharp = surface_.feature[h] != 0;
-    if (sharp) middle_.emplace(edge_key(a, b), v);
+    if (sharp) middle_.emplace(edge_key(surface_.name[a], surface_.name[b]), v);
     const index_t left = surface_.sector[h];
     const index_t right = g == no_index ? left : sharp ? surface_.sector[g] : left;
     const index_t second = surface_.split_edge(h, v, left, right);
@@ -123,8 +120,17 @@ private:
     if (g != no_index) offer(surface_.next(g));
     mixed_.resize(surface_.n_triangles(), mixed_[h / 3]);
     if (g != no_index) mixed_.back() = mixed_[g / 3];
+    for (const index_t o : others) {
+      const index_t beyond = surface_.split_edge(o, surface_.add_copy(v), surface_.sector[o], surface_.sector[o]);
+      mixed_.push_back(mixed_[o / 3]);
+      for (const index_t changed : {o, beyond, EditableSurface::next(o)}) offer(changed);
+    }
     if (options_.flips == RefinementFlips::none) return;
-    surface_.for_each_outgoing(v, [&](index_t o) { doubtful_.insert(doubtful_.end(), {o, EditableSurface::next(o)}); });
+    surface_.for_each_copy(v, [&](index_t copy) {
+      surface_.for_each_outgoing(copy, [&](index_t o) {
+        doubtful_.insert(doubtful_.end(), {o, EditableSurface::next(o)});
+      });
+    });
     flip_doubtful(Offer::yes);
   }
 
@@ -211,10 +217,12 @@ RefinedSurface refine(const Surface& surface, const SizeFn& max_edge, const Refi
     for (std::size_t i = 0; i + 1 < curve.size(); ++i) refiner.expand(curve[i], curve[i + 1], features.curves.values);
     features.curves.end_row();
   }
+  const std::vector<index_t> number = editable.join_copies();
+  for (index_t& v : features.curves.values) v = number[v];
   features.triangle_patch = std::move(editable.patch);
   features.is_feature = std::move(editable.feature);
   result.surface.points = std::move(editable.points);
-  result.surface.adjacency = make_adjacency(TriangleView{result.surface.points, editable.corners});
+  result.surface.adjacency = make_adjacency(TriangleView{result.surface.points, editable.corners}, Junctions::open);
   result.parent = std::move(editable.parent);
   if (options.flips == RefinementFlips::none) return result;
   const SurfaceLocator own = options.locator ? SurfaceLocator() : SurfaceLocator(surface);

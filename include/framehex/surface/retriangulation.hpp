@@ -95,10 +95,11 @@ private:
     FeatureGraph& features = r.surface.features;
     std::vector<std::array<index_t, 3>> triangles;
     for (const SurfaceSample& s : samples_) points.push_back(s.point);
-    for (index_t i = 0; i < samples_.size(); ++i) new_index[inserter_.vertex_of_sample()[i]] = i;
+    for (index_t i = 0; i < samples_.size(); ++i)
+      surface_.for_each_copy(inserter_.vertex_of_sample()[i], [&](index_t copy) { new_index[copy] = i; });
     for (index_t v = 0; v < surface_.points.size(); ++v) {
       if (new_index[v] != no_index || surface_.half_edge_of[v] == no_index) continue;
-      new_index[v] = static_cast<index_t>(points.size());
+      surface_.for_each_copy(v, [&](index_t copy) { new_index[copy] = static_cast<index_t>(points.size()); });
       points.push_back(surface_.points[v]);
       ++(v < first_added_ ? r.n_unremoved : r.n_added);
     }
@@ -117,7 +118,7 @@ private:
       for (const auto& link : chains_.row(c)) features.curves.values.push_back(new_index[link.vertex]);
       features.curves.end_row();
     }
-    r.surface.adjacency = make_adjacency(TriangleView{points, triangles});
+    r.surface.adjacency = make_adjacency(TriangleView{points, triangles}, Junctions::open);
     return r;
   }
 

@@ -25,13 +25,13 @@ struct Surface {
 
   /// Reads a host's mesh and finds its features; see `detect_features`.
   ///
-  /// @param mesh  indices in range, edge-manifold.
-  /// @throws nonmanifold, invalid_option  as `detect_features`.
+  /// @param mesh  indices in range. Sheets may meet in edges of three or more triangles, which are features then.
+  /// @throws invalid_option  as `detect_features`.
   /// @par Complexity   O(n).
   template <class M>
   requires(!std::same_as<M, Surface> && TriangleMesh<M>) Surface(const M& mesh, const FeatureOptions& options = {})
       : points(positions(mesh)),
-        adjacency(make_adjacency(mesh)),
+        adjacency(make_adjacency(mesh, Junctions::open)),
         features(detail::find_features(points, adjacency, options)) {}
 
   const std::vector<std::array<index_t, 3>>& triangles() const { return adjacency.triangles; }
@@ -52,22 +52,23 @@ static_assert(TriangleMesh<Surface>);
 
 /// Finds the sharp edges of a surface, and from them its corners, curves and patches.
 ///
-/// An edge is a feature when it is given, lies on a rim, or is bent by more than `options.angle` from flat. A corner is
-/// a vertex where other than two feature edges meet or a curve turns by more than `options.corner_angle`.
+/// An edge is a feature when it is given, lies on a rim, between patches of different labels or where several sheets
+/// meet, or is bent by more than `options.angle` from flat. A corner is a vertex where other than two feature edges meet,
+/// a curve turns by more than `options.corner_angle`, or sheets touch in nothing else.
 ///
 /// Scans have bends that nobody designed. Unless given, a curve with a loose end and fewer than `options.stray_edges`
 /// edges is dropped, again and again; so is a connected set of sharp edges that loses more than a tenth of itself by
 /// that, or has fewer than four edges left. Sharp edges of CAD surfaces end in corners or close up, and are untouched.
 ///
-/// @param mesh  indices in range, edge-manifold.
+/// @param mesh  indices in range.
 /// @return curves between corners in the order of their first corner, then closed curves without a corner, which start
 ///         at their smallest vertex; a closed curve repeats its first vertex.
-/// @throws invalid_option  for an angle outside (0, pi); for a given edge that is not one (its two vertices);
-///         nonmanifold.
+/// @throws invalid_option  for an angle outside (0, pi), labels that are not one a triangle, and a given edge that is not
+///         one (its two vertices).
 /// @par Complexity   O(n).
 template <TriangleMesh M>
 FeatureGraph detect_features(const M& mesh, const FeatureOptions& options = {}) {
-  return detail::find_features(positions(mesh), make_adjacency(mesh), options);
+  return detail::find_features(positions(mesh), make_adjacency(mesh, Junctions::open), options);
 }
 
 }  // namespace framehex

@@ -5,6 +5,7 @@
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/boundary.hpp"
+#include "framehex/mesh/enclosed_volume.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/observer.hpp"
@@ -48,15 +49,6 @@ struct Tetrahedralization {
 };
 
 namespace detail {
-
-/// Six times the enclosed volume of a closed surface, about one of its own points to keep rounding small.
-inline double enclosed_determinant(std::span<const Vector3> points, std::span<const std::array<index_t, 3>> triangles) {
-  const Vector3 origin = points[triangles[0][0]];
-  double sum = 0;
-  for (const auto& t : triangles)
-    sum += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
-  return sum;
-}
 
 inline void check_tets(const IndexedTetMesh& mesh) {
   for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
@@ -125,7 +117,7 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
                                   const Observer& observer = {}) {
   validate_closed(host);
   const auto& surface = detail::flat(host);
-  if (detail::enclosed_determinant(surface.points, surface.triangles) <= 0)
+  if (enclosed_volume(surface) <= 0)
     throw invalid_surface("the surface is inside out: its triangles must be anticlockwise seen from outside");
   Tetrahedralization result;
   result.mesh.points.assign(surface.points.begin(), surface.points.end());
@@ -146,7 +138,7 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
   for (const auto& t : result.mesh.tets)
     sum += orientation_determinant(result.mesh.points[t[0]], result.mesh.points[t[1]], result.mesh.points[t[2]],
                                    result.mesh.points[t[3]]);
-  const double expected = detail::enclosed_determinant(surface.points, surface.triangles);
+  const double expected = 6 * enclosed_volume(surface);
   if (std::abs(sum - expected) > 1e-9 * expected)
     throw tetrahedralization_error("tetrahedraliser: the tetrahedra do not add up to the volume inside the surface");
   return result;

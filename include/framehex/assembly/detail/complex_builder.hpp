@@ -100,8 +100,6 @@ private:
     index_t cell;
   };
 
-  static std::uint64_t pair_key(index_t v, index_t w) { return std::uint64_t{std::min(v, w)} << 32 | std::max(v, w); }
-
   void protect_labels() {
     for (const LabelledFace& face : options_.faces) {
       const FaceKey key = face_key(face.vertices);
@@ -111,7 +109,7 @@ private:
     }
     for (const LabelledEdge& edge : options_.edges) {
       complex.protected_edges.insert(face_key({edge.vertices[0], edge.vertices[1], no_index, no_index}));
-      pair_use_.try_emplace(pair_key(edge.vertices[0], edge.vertices[1]), PairUse{0, no_index});
+      pair_use_.try_emplace(edge_key(edge.vertices[0], edge.vertices[1]), PairUse{0, no_index});
       for (const index_t v : edge.vertices) complex.is_protected[v] = 1;
     }
   }
@@ -175,11 +173,11 @@ inline ComplexBuilder::Refusal ComplexBuilder::check(CellKind kind, std::span<co
 inline ComplexBuilder::Refusal ComplexBuilder::check_pairs(CellKind kind, std::span<const index_t> corners) {
   pairs_.clear();
   const auto at = [&](std::int8_t i) { return corners[static_cast<std::size_t>(i)]; };
-  for (const auto& edge : edges_of(kind)) pairs_.emplace_back(pair_key(at(edge[0]), at(edge[1])), 0);
+  for (const auto& edge : edges_of(kind)) pairs_.emplace_back(edge_key(at(edge[0]), at(edge[1])), 0);
   for (const LocalFace& face : faces_of(kind)) {
     if (face.size() == 3) continue;
-    const std::uint64_t first = pair_key(at(face.corners[0]), at(face.corners[2]));
-    const std::uint64_t second = pair_key(at(face.corners[1]), at(face.corners[3]));
+    const std::uint64_t first = edge_key(at(face.corners[0]), at(face.corners[2]));
+    const std::uint64_t second = edge_key(at(face.corners[1]), at(face.corners[3]));
     pairs_.emplace_back(first, second);
     pairs_.emplace_back(second, first);
   }

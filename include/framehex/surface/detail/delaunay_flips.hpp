@@ -40,9 +40,11 @@ public:
 
   void push(index_t h) { stack_.push_back(h); }
   void push_star(index_t v) {
-    surface_.for_each_outgoing(v, [&](index_t h) {
-      stack_.push_back(h);
-      stack_.push_back(EditableSurface::next(h));
+    surface_.for_each_copy(v, [&](index_t copy) {
+      surface_.for_each_outgoing(copy, [&](index_t h) {
+        stack_.push_back(h);
+        stack_.push_back(EditableSurface::next(h));
+      });
     });
   }
   void push_all() {

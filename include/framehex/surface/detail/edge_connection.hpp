@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/rotation.hpp"
 #include "framehex/surface/detail/triangle_normals.hpp"
 
 #include <cmath>
@@ -65,12 +66,6 @@ inline EdgeConnection make_edge_connection(const std::vector<Vector3>& points, c
     c.direction[3 * t + 2] = c.direction[3 * t + 1] + std::numbers::pi - c.angle[3 * t + 2];
   }
   return c;
-}
-
-/// Angle brought to [-pi/4, pi/4] by quarter turns.
-inline double quarter_remainder(double angle) {
-  constexpr double quarter = std::numbers::pi / 2;
-  return angle - quarter * std::round(angle / quarter);
 }
 
 }  // namespace framehex::detail

@@ -4,6 +4,8 @@
 #include "framehex/surface/surface.hpp"
 
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace framehex::detail {
@@ -14,6 +16,10 @@ namespace framehex::detail {
 /// `no_index` as its corners. `sector` names, at each corner, the smooth sector of the vertex's star that the triangle
 /// belongs to: sectors are divided by feature edges, and whoever needs a normal that does not average over a sharp edge
 /// keeps one for each sector.
+///
+/// Where several sheets meet, in an edge of three or more triangles or in a vertex, each fan of triangles has a copy of
+/// the vertex for itself, and the sheets end in rims; `name` tells copies of one vertex. What happens to a rim happens
+/// to all its sides.
 class EditableSurface {
 public:
   std::vector<Vector3> points;
@@ -24,6 +30,7 @@ public:
   std::vector<index_t> patch;         ///< per triangle
   std::vector<index_t> parent;        ///< per triangle: triangle of the surface that was read
   std::vector<index_t> half_edge_of;  ///< per vertex: one that leaves it; `no_index` for a vertex without triangles
+  std::vector<index_t> name;          ///< per vertex: the first of its copies, usually itself
 
   explicit EditableSurface(const Surface& surface)
       : points(surface.points),
@@ -33,10 +40,12 @@ public:
         sector(3 * corners.size(), no_index),
         patch(surface.features.triangle_patch),
         parent(corners.size()),
-        half_edge_of(surface.points.size(), no_index) {
-    for (index_t t = 0; t < corners.size(); ++t) parent[t] = t;
-    for (index_t h = 0; h < opposite.size(); ++h)
-      if (half_edge_of[from(h)] == no_index) half_edge_of[from(h)] = h;
+        half_edge_of(surface.points.size(), no_index),
+        name(surface.points.size()) {
+    std::iota(parent.begin(), parent.end(), index_t{0});
+    std::iota(name.begin(), name.end(), index_t{0});
+    next_copy_ = name;
+    give_fans_copies();
     number_sectors();
   }
 
@@ -52,9 +61,60 @@ public:
   index_t apex(index_t h) const { return from(previous(h)); }
 
   index_t add_vertex(const Vector3& point) {
+    const auto v = static_cast<index_t>(points.size());
     points.push_back(point);
     half_edge_of.push_back(no_index);
-    return static_cast<index_t>(points.size() - 1);
+    name.push_back(v);
+    next_copy_.push_back(v);
+    return v;
+  }
+
+  /// Another vertex at the place of v, for another fan.
+  index_t add_copy(index_t v) {
+    const index_t copy = add_vertex(Vector3(points[v]));
+    name[copy] = name[v];
+    next_copy_[copy] = std::exchange(next_copy_[v], copy);
+    return copy;
+  }
+  bool has_copies(index_t v) const { return next_copy_[v] != v; }
+
+  template <class Visit>
+  void for_each_copy(index_t v, Visit&& visit) const {
+    index_t copy = v;
+    do {
+      visit(copy);
+      copy = next_copy_[copy];
+    } while (copy != v);
+  }
+
+  /// Numbers the vertices by their names and takes the copies out. @return old number -> new number.
+  std::vector<index_t> join_copies() {
+    std::vector<index_t> number(points.size());
+    index_t n = 0;
+    for (index_t v = 0; v < points.size(); ++v) {
+      number[v] = name[v] == v ? n++ : number[name[v]];
+      points[number[v]] = points[v];
+    }
+    points.resize(n);
+    for (auto& triangle : corners)
+      for (index_t& v : triangle)
+        if (v != no_index) v = number[v];
+    return number;
+  }
+
+  /// The half edges, but h, that lie on the same edge where it is a rim.
+  std::vector<index_t> other_sides(index_t h) const {
+    std::vector<index_t> result;
+    if (opposite[h] != no_index) return result;
+    const index_t end = name[to(h)];
+    for_each_copy(from(h), [&](index_t copy) {
+      for_each_outgoing(copy, [&](index_t o) {
+        const index_t in = previous(o);
+        if (o != h && opposite[o] == no_index && name[to(o)] == end) result.push_back(o);
+        if (opposite[in] == no_index && name[from(in)] == end) result.push_back(in);
+      });
+    });
+    return result;
   }
 
   /// Calls `visit(h)` for each half edge that leaves v, anticlockwise from `half_edge_of[v]`, or from the rim if it is
@@ -75,19 +135,24 @@ public:
     }
   }
 
-  /// Half edge from v to w; `no_index` when they are not joined, or only by the other half on a rim.
+  /// Half edge from v to w or their copies; `no_index` when they are not joined, or only by the other half on a rim.
   index_t find(index_t v, index_t w) const {
     index_t found = no_index;
-    for_each_outgoing(v, [&](index_t h) {
-      if (to(h) == w) found = h;
+    for_each_copy(v, [&](index_t copy) {
+      for_each_outgoing(copy, [&](index_t h) {
+        if (name[to(h)] == name[w]) found = h;
+      });
     });
     return found;
   }
 
-  /// Are v and w joined by an edge?
+  /// Are v and w, or copies of them, joined by an edge, or one vertex?
   bool joined(index_t v, index_t w) const {
-    bool result = false;
-    for_each_outgoing(v, [&](index_t h) { result = result || to(h) == w || apex(h) == w; });
+    const index_t wanted = name[w];
+    bool result = name[v] == wanted;
+    for_each_copy(v, [&](index_t copy) {
+      for_each_outgoing(copy, [&](index_t h) { result = result || name[to(h)] == wanted || name[apex(h)] == wanted; });
+    });
     return result;
   }
 
@@ -183,6 +248,21 @@ public:
     half_edge_of[v] = no_index;
   }
 
+  /// Moves v, one end of rim h, into the other end; v and the triangle of h vanish.
+  /// @pre h is one of the two rims of v's fan, which holds no other feature.
+  void collapse_rim(index_t h, index_t v) {
+    const index_t other = from(h) == v ? next(h) : h, w = from(other);
+    std::vector<index_t> fan;
+    for_each_outgoing(v, [&](index_t o) { fan.push_back(o); });
+    for (const index_t o : fan) {
+      if (o / 3 == h / 3) continue;
+      corners[o / 3][o % 3] = w;
+      sector[o] = sector[other];
+    }
+    close_up(h);
+    half_edge_of[v] = no_index;
+  }
+
 private:
   struct Corner {
     index_t vertex, sector;
@@ -242,6 +322,20 @@ private:
     corners[h / 3] = {no_index, no_index, no_index};
   }
 
+  /// A vertex with several fans of triangles keeps the first; each other gets a copy.
+  void give_fans_copies() {
+    std::vector<std::uint8_t> seen(opposite.size(), 0);
+    for (index_t h = 0; h < opposite.size(); ++h) {
+      if (seen[h]) continue;
+      const index_t v = half_edge_of[from(h)] == no_index ? from(h) : add_copy(from(h));
+      half_edge_of[v] = h;
+      for_each_outgoing(v, [&](index_t o) {
+        corners[o / 3][o % 3] = v;
+        seen[o] = 1;
+      });
+    }
+  }
+
   /// Corners joined across edges that are not features share a sector.
   void number_sectors() {
     for (index_t v = 0; v < points.size(); ++v) {
@@ -249,22 +343,23 @@ private:
       if (start == no_index) continue;
       for_each_outgoing(v, [&](index_t h) {
         if (sector[h] != no_index) return;
-        const index_t name = n_sectors_++;
+        const index_t number = n_sectors_++;
         for (index_t o = h; o != no_index && sector[o] == no_index;) {
-          sector[o] = name;
+          sector[o] = number;
           const index_t p = previous(o);
           o = feature[p] ? no_index : opposite[p];
         }
         for (index_t o = h; !feature[o] && opposite[o] != no_index;) {
           o = next(opposite[o]);
           if (sector[o] != no_index) break;
-          sector[o] = name;
+          sector[o] = number;
         }
       });
     }
   }
 
   index_t n_sectors_ = 0;
+  std::vector<index_t> next_copy_;  ///< per vertex: the copies of a vertex form a ring
 };
 
 }  // namespace framehex::detail

@@ -60,9 +60,11 @@ private:
 
   void take(index_t v, index_t sample) {
     if (sample_of_vertex_[v] != no_index) refuse_twins(sample_of_vertex_[v], sample);
-    sample_of_vertex_[v] = sample;
     vertex_of_sample_[sample] = v;
-    surface_.points[v] = samples_[sample].point;
+    surface_.for_each_copy(v, [&](index_t copy) {
+      sample_of_vertex_[copy] = sample;
+      surface_.points[copy] = samples_[sample].point;
+    });
   }
 
   index_t new_vertex(index_t sample) {
@@ -70,6 +72,16 @@ private:
     sample_of_vertex_.push_back(sample);
     vertex_of_sample_[sample] = v;
     return v;
+  }
+
+  /// Makes copies of a new vertex where the other sides of its edge meet it.
+  template <class Sector>
+  void split_others(std::span<const index_t> others, index_t v, Sector&& sector) {
+    for (const index_t o : others) {
+      const index_t name = sector(surface_.parent[o / 3]);
+      surface_.split_edge(o, surface_.add_copy(v), name, name);
+    }
+    sample_of_vertex_.resize(surface_.points.size(), sample_of_vertex_[v]);
   }
 
   void insert_on_curves() {
@@ -123,10 +135,13 @@ private:
     index_t h = surface_.find(at, b);
     if (h == no_index) h = surface_.find(b, at);
     const index_t g = surface_.opposite[h];
-    const index_t left = normals_.add_on_edge(surface_, surface_.parent[h / 3], a, b, position);
-    const index_t right = g == no_index ? left : normals_.add_on_edge(surface_, surface_.parent[g / 3], a, b, position);
+    const auto sector = [&](index_t parent) { return normals_.add_on_edge(surface_, parent, a, b, position); };
+    const std::vector<index_t> others = surface_.other_sides(h);
+    const index_t left = sector(surface_.parent[h / 3]);
+    const index_t right = g == no_index ? left : sector(surface_.parent[g / 3]);
     const index_t v = new_vertex(sample);
     surface_.split_edge(h, v, left, right);
+    split_others(others, v, sector);
     return v;
   }
 
@@ -178,15 +193,15 @@ private:
       take(end, sample);
       return t;
     }
-    const index_t sector = normals_.add(surface_, parent, barycentric(parent, p));
+    const auto normal_in = [&](index_t triangle) { return normals_.add(surface_, triangle, barycentric(triangle, p)); };
+    const index_t sector = normal_in(parent);
     const index_t v = new_vertex(sample);
     if (relative_distance(h, p) < same_point) {
       const index_t g = surface_.opposite[h];
-      const index_t right =
-          g == no_index || !surface_.feature[h]
-              ? sector
-              : normals_.add(surface_, surface_.parent[g / 3], barycentric(surface_.parent[g / 3], p));
+      const std::vector<index_t> others = surface_.other_sides(h);
+      const index_t right = g == no_index || !surface_.feature[h] ? sector : normal_in(surface_.parent[g / 3]);
       surface_.split_edge(h, v, sector, right);
+      split_others(others, v, normal_in);
     } else {
       surface_.split_triangle(t, v, sector);
     }

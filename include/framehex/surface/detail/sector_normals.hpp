@@ -58,7 +58,7 @@ public:
   index_t add_on_edge(EditableSurface& surface, index_t parent, index_t a, index_t b, double position) {
     Vector3 weights = Vector3::Zero();
     for (int i = 0; i < 3; ++i) {
-      const index_t v = original_corners_[parent][static_cast<std::size_t>(i)];
+      const index_t v = surface.name[original_corners_[parent][static_cast<std::size_t>(i)]];
       weights[i] = v == a ? 1 - position : v == b ? position : 0;
     }
     return add(surface, parent, weights);

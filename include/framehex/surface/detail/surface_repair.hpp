@@ -101,7 +101,8 @@ private:
     for (index_t t = 0; t < surface_.n_triangles(); ++t) {
       if (!surface_.alive(t)) continue;
       triangle_of.push_back(t);
-      mesh.triangles.push_back(surface_.corners[t]);
+      auto& triangle = mesh.triangles.emplace_back(surface_.corners[t]);
+      for (index_t& v : triangle) v = surface_.name[v];
     }
     const auto pairs = find_self_intersections(mesh);
     n_pairs_ = pairs.size();
@@ -172,7 +173,7 @@ private:
   }
 
   void split_on_curve(index_t h) {
-    const index_t a = surface_.from(h), b = surface_.to(h), g = surface_.opposite[h];
+    const index_t a = surface_.name[surface_.from(h)], b = surface_.name[surface_.to(h)], g = surface_.opposite[h];
     for (std::size_t c = 0; c < chains_.size(); ++c) {
       auto& row = chains_.row(c);
       for (std::size_t i = 0; i + 1 < row.size(); ++i) {
@@ -180,13 +181,17 @@ private:
         if (!forth && !(row[i].vertex == b && row[i + 1].vertex == a)) continue;
         const double arc = std::fmod((row[i].arc + row[i + 1].arc) / 2, chains_.length(c));
         const Vector3 point = chains_.point(c, arc);
-        const Vector3 left = normals_.at(h) + normals_.at(EditableSurface::next(h));
-        const index_t left_sector = normals_.add(surface_, left);
-        const index_t right_sector =
-            g == no_index ? left_sector
-                          : normals_.add(surface_, Vector3(normals_.at(g) + normals_.at(EditableSurface::next(g))));
+        const auto sector = [&](index_t side) {
+          return normals_.add(surface_, Vector3(normals_.at(side) + normals_.at(EditableSurface::next(side))));
+        };
+        const std::vector<index_t> others = surface_.other_sides(h);
+        const index_t left = sector(h), right = g == no_index ? left : sector(g);
         const index_t v = surface_.add_vertex(point);
-        surface_.split_edge(h, v, left_sector, right_sector);
+        surface_.split_edge(h, v, left, right);
+        for (const index_t o : others) {
+          const index_t there = sector(o);
+          surface_.split_edge(o, surface_.add_copy(v), there, there);
+        }
         row.insert(row.begin() + static_cast<std::ptrdiff_t>(i) + 1, {v, (row[i].arc + row[i + 1].arc) / 2});
         flipper_.push_star(v);
         return;
