@@ -18,6 +18,9 @@ namespace framehex {
 /// `worker` < `executor.workers()` never shared by two calls at the same time (so it may index scratch memory), and
 /// returns when all have ended. A host wraps its own thread pool in ten lines. Algorithms cut their work into blocks
 /// that do not depend on the number of workers, so that results do not either.
+///
+/// The calling thread should run blocks as well, as `ThreadExecutor`'s does: an observer is called on that thread and
+/// from within its blocks, so that a pool that leaves it idle is silent, and cannot be cancelled, while it works.
 template <class E>
 concept Executor = requires(const E& executor, std::size_t n, void (*body)(std::size_t, std::size_t)) {
   executor(n, body);
