@@ -67,7 +67,7 @@ void run(const std::string& path, double size, FieldMethod method) {
     for (const CellKind kind : mesh.kinds) n_hexahedra += kind == CellKind::hexahedron;
     std::cout << path << " | " << variant.name << " | "
               << 100.0 * static_cast<double>(n_hexahedra) / static_cast<double>(mesh.n_cells()) << " | "
-              << 100 * volume.by_kind[hexahedron] / volume.cells << " | " << result.recombination.graph.n_candidates
+              << 100 * volume.by_kind[hexahedron] / volume.cells << " | " << result.recombination.n_candidates
               << std::endl;
   }
 }

@@ -59,15 +59,15 @@ void run(const std::string& path, double size) {
   const auto lap = [&] { return cpu_seconds() - std::exchange(start, cpu_seconds()); };
   const PotentialHexahedra hexahedra = find_potential_hexahedra(mesh);
   const double search = lap();
-  const IncompatibilityGraph graph = build_incompatibility_graph(hexahedra);
+  const ImplicitIncompatibilityGraph graph(hexahedra, volume_times_quality(hexahedra));
   const Selection greedy = select(graph, {.method = SelectMethod::greedy});
   lap();
-  const Selection first = select(graph, {.max_rounds = 0});
+  const Selection first = select(graph, {.gap = 1, .exact_below = 0});
   const double first_seconds = lap();
-  const Selection best = select(graph);
+  const Selection best = select(graph, {.exact_below = 0});
   const double seconds = lap();
-  const double bound = select(graph, {.gap = 0.0005, .max_rounds = 200}).bound;
-  const GraphStatistics s = statistics(graph);
+  const double bound = select(graph, {.gap = 0.0005, .max_rounds = 200, .exact_below = 0}).bound;
+  const GraphStatistics s = statistics(build_incompatibility_graph(hexahedra));
   std::cout << path << " | " << mesh.tets.size() << " | " << s.n_candidates << " | " << s.mean_degree << " | "
             << greedy.members.size() << " | " << best.members.size() << " | "
             << 100 * (volume(hexahedra, best) / volume(hexahedra, greedy) - 1) << " % | "

@@ -27,9 +27,8 @@ inline framehex::RecombineOptions recombine_options(const Options& options, cons
   r.selection.method = options.select == "greedy"  ? framehex::SelectMethod::greedy
                        : options.select == "exact" ? framehex::SelectMethod::exact
                                                    : framehex::SelectMethod::best;
-  r.selection.gap = options.gap_percent.value_or(0.5) / 100;
-  // Who asks for a gap or a time means it: without, the work is bounded by a count, so that results repeat.
-  if (options.budget_seconds || options.gap_percent) r.selection.max_passes = std::numeric_limits<double>::infinity();
+  // Who asks for a gap or a time wants a proof; the default is the selection alone.
+  if (options.gap_percent || options.budget_seconds) r.selection.gap = options.gap_percent.value_or(0.5) / 100;
   if (options.budget_seconds) r.selection.max_rounds = 1'000'000;
   if (options.budget_seconds) r.selection.seconds = *options.budget_seconds;
   r.selection.seed = options.seed;

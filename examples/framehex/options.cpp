@@ -65,7 +65,7 @@ void add_recombination(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--gap", options.gap_percent,
-                  "`best` ends when so little can be missing: 0.5, or sooner where that is much work")
+                  "Prove how little can be missing, and end when it is this; without it no proof is attempted")
       ->check(in_range(0, 100, "a percentage"))
       ->type_name("PERCENT");
   command
@@ -159,7 +159,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
     json["select"] = options.select;
-    json["gap"] = options.gap_percent.value_or(0.5);
+    if (options.gap_percent) json["gap"] = *options.gap_percent;
     if (options.budget_seconds) json["budget"] = *options.budget_seconds;
     json["interfaces"] = options.interfaces;
     json["improvement"] = options.improve;

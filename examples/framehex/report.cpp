@@ -48,9 +48,7 @@ void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombi
                      {"search", s.search},         {"selection", s.selection},
                      {"assembly", s.assembly},     {"recombination", s.recombination()},
                      {"total", s.total()}};
-  json["graph"] = {{"candidates", recombination.graph.n_candidates},
-                   {"conflicts", recombination.graph.n_conflicts},
-                   {"mean_degree", recombination.graph.mean_degree}};
+  json["candidates"] = recombination.n_candidates;
   const framehex::Selection& selection = recombination.selection;
   json["selection"] = {{"value", selection.weight},
                        {"bound", selection.bound},

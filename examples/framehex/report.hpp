@@ -13,7 +13,7 @@
 
 namespace program {
 
-/// `seconds`, `graph`, `selection`, `assembly` of a recombination, and `hex_ratio.floor`.
+/// `seconds`, `candidates`, `selection`, `assembly` of a recombination, and `hex_ratio.floor`.
 void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options);
 
 /// Adds what every report has: `peak_memory_bytes`, `options`, `version`.

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <atomic>
 #include <concepts>
+#include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace framehex {
@@ -37,13 +40,78 @@ struct SerialExecutor {
   }
 };
 
-/// The standard's threads, started anew at each call: for stages of milliseconds and more.
+namespace detail {
+
+/// Threads that wait for work until they are destroyed.
+class ThreadPool {
+public:
+  explicit ThreadPool(std::size_t n_workers) {
+    for (std::size_t worker = 1; worker < n_workers; ++worker) threads_.emplace_back([this, worker] { serve(worker); });
+  }
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+  ~ThreadPool() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    wake_.notify_all();
+  }
+
+  /// Runs `work(worker)` once on each thread and on the calling one, which is worker 0.
+  /// @return false when the pool is at work already: nothing was run.
+  template <class Work>
+  bool run(Work& work) {
+    const std::unique_lock busy(busy_, std::try_to_lock);
+    if (!busy) return false;
+    {
+      const std::lock_guard lock(mutex_);
+      work_ = [](void* job, std::size_t worker) { (*static_cast<Work*>(job))(worker); };
+      job_ = &work;
+      n_running_ = threads_.size();
+      ++n_jobs_;
+    }
+    wake_.notify_all();
+    work(0);
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, [this] { return n_running_ == 0; });
+    return true;
+  }
+
+private:
+  void serve(std::size_t worker) {
+    std::unique_lock lock(mutex_);
+    for (std::size_t n_seen = 0;;) {
+      wake_.wait(lock, [&] { return ending_ || n_jobs_ != n_seen; });
+      if (ending_) return;
+      n_seen = n_jobs_;
+      lock.unlock();
+      work_(job_, worker);
+      lock.lock();
+      if (--n_running_ == 0) done_.notify_one();
+    }
+  }
+
+  std::mutex busy_, mutex_;
+  std::condition_variable wake_, done_;
+  void (*work_)(void*, std::size_t) = nullptr;
+  void* job_ = nullptr;
+  std::size_t n_jobs_ = 0, n_running_ = 0;
+  bool ending_ = false;
+  std::vector<std::jthread> threads_;  ///< last, so that they end before what they use
+};
+
+}  // namespace detail
+
+/// The standard's threads, started once and kept; copies share them.
+///
+/// A call from within a block, or while another thread's call is running, is worked off by the calling thread alone.
 class ThreadExecutor {
 public:
   /// @param n_threads  0: as many as the machine has.
   explicit ThreadExecutor(std::size_t n_threads = 0) : workers_(n_threads) {
-    if (workers_ == 0) workers_ = std::thread::hardware_concurrency();
-    if (workers_ == 0) workers_ = 1;
+    if (workers_ == 0) workers_ = std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+    if (workers_ > 1) pool_ = std::make_shared<detail::ThreadPool>(workers_);
   }
 
   std::size_t workers() const { return workers_; }
@@ -51,11 +119,11 @@ public:
   /// @throws the first exception (in time) that `body` threw; blocks not yet begun are then skipped.
   template <class Body>
   void operator()(std::size_t n_blocks, Body&& body) const {
-    if (workers_ == 1 || n_blocks < 2) return SerialExecutor{}(n_blocks, body);
+    if (!pool_ || n_blocks < 2) return SerialExecutor{}(n_blocks, body);
     std::atomic<std::size_t> next{0};
     std::exception_ptr failure;
     std::mutex failure_mutex;
-    const auto work = [&](std::size_t worker) {
+    auto work = [&](std::size_t worker) {
       try {
         for (std::size_t block = next++; block < n_blocks; block = next++) body(block, worker);
       } catch (...) {
@@ -64,15 +132,39 @@ public:
         if (!failure) failure = std::current_exception();
       }
     };
-    std::vector<std::jthread> threads;
-    for (std::size_t worker = 1; worker < workers_ && worker < n_blocks; ++worker) threads.emplace_back(work, worker);
-    work(0);
-    threads.clear();
+    if (!pool_->run(work)) return SerialExecutor{}(n_blocks, body);
     if (failure) std::rethrow_exception(failure);
   }
 
 private:
   std::size_t workers_;
+  std::shared_ptr<detail::ThreadPool> pool_;
+};
+
+/// An executor that asks on the calling thread, after each of its blocks, whether to go on; blocks not yet begun when
+/// the answer is no are left out.
+template <Executor E, class Stop>
+class StoppableExecutor {
+public:
+  /// @param stop  `bool stop()`: true ends the work.
+  StoppableExecutor(const E& executor, Stop stop) : executor_(executor), stop_(std::move(stop)) {}
+
+  std::size_t workers() const { return executor_.workers(); }
+
+  template <class Body>
+  void operator()(std::size_t n_blocks, Body&& body) const {
+    const auto caller = std::this_thread::get_id();
+    std::atomic<bool> stopped{false};
+    executor_(n_blocks, [&](std::size_t block, std::size_t worker) {
+      if (stopped) return;
+      body(block, worker);
+      if (std::this_thread::get_id() == caller && stop_()) stopped = true;
+    });
+  }
+
+private:
+  const E& executor_;
+  Stop stop_;
 };
 
 /// Calls `body(first, last)` on blocks of [0, n) whose size does not depend on the executor, so that results do not either.

@@ -28,10 +28,11 @@ TEST_CASE("contenders are the members and those worth a share of what they put o
   // A star: the middle, 3, against leaves of 5, 4, 2 and 1, and one that stands alone.
   const auto star = make_incompatibility_graph(std::vector<double>{10, 5, 4, 2, 1, 7},
                                                std::vector<std::array<index_t, 2>>{{0, 1}, {0, 2}, {0, 3}, {0, 4}});
-  CHECK(detail::contenders(star, std::vector<index_t>{0, 5}, 0.4) == std::vector<index_t>{0, 1, 2, 5});
-  CHECK(detail::contenders(star, std::vector<index_t>{1, 2, 3, 4, 5}, 0.9) == std::vector<index_t>{1, 2, 3, 4, 5});
-  CHECK(detail::contenders(star, std::vector<index_t>{1, 2, 3, 4, 5}, 0.8).size() == 6);
-  CHECK(detail::contenders(star, std::vector<index_t>{}, 0.5).size() == 6);
+  CHECK(detail::contenders(star, std::vector<index_t>{0, 5}, 0.4, detail::never) == std::vector<index_t>{0, 1, 2, 5});
+  CHECK(detail::contenders(star, std::vector<index_t>{1, 2, 3, 4, 5}, 0.9, detail::never) ==
+        std::vector<index_t>{1, 2, 3, 4, 5});
+  CHECK(detail::contenders(star, std::vector<index_t>{1, 2, 3, 4, 5}, 0.8, detail::never).size() == 6);
+  CHECK(detail::contenders(star, std::vector<index_t>{}, 0.5, detail::never).size() == 6);
 }
 
 TEST_CASE("a window over a whole component is solved exactly", "[selection][contenders]") {

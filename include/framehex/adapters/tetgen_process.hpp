@@ -5,19 +5,18 @@
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <charconv>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <thread>
 #include <utility>
 
 extern char** environ;
@@ -148,6 +147,36 @@ inline void write_facets(const std::filesystem::path& path, std::span<const Vect
   file.finish();
 }
 
+/// A pipe on which one hears at once that the process that holds its other end has ended.
+class EndOfProcess {
+public:
+  EndOfProcess() {
+    if (::pipe2(ends_, O_CLOEXEC) != 0) ends_[0] = ends_[1] = -1;
+  }
+  EndOfProcess(const EndOfProcess&) = delete;
+  EndOfProcess& operator=(const EndOfProcess&) = delete;
+  ~EndOfProcess() {
+    for (const int end : ends_)
+      if (end >= 0) ::close(end);
+  }
+
+  /// The child gets the other end as file 3.
+  void hand_over(posix_spawn_file_actions_t& actions) const {
+    if (ends_[1] >= 0) ::posix_spawn_file_actions_adddup2(&actions, ends_[1], 3);
+  }
+  void let_go() {
+    if (ends_[1] >= 0) ::close(std::exchange(ends_[1], -1));
+  }
+  /// Returns when the process has ended or the time is up.
+  void wait(int milliseconds) const {
+    pollfd end{ends_[0], POLLIN, 0};
+    ::poll(&end, 1, milliseconds);
+  }
+
+private:
+  int ends_[2];
+};
+
 /// Runs a program, its output going to a file, until it ends or the observer says stop.
 /// @return the exit status, or -1 when it was stopped, or -2 when it cannot be started, or -3 when a signal ended it.
 inline int run_process(std::vector<std::string> arguments, const std::filesystem::path& log, const Observer& observer) {
@@ -159,6 +188,8 @@ inline int run_process(std::vector<std::string> arguments, const std::filesystem
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  EndOfProcess end;
+  end.hand_over(actions);
   // In a process group of its own, so that a Ctrl-C reaches the host alone and the host decides.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
@@ -169,7 +200,8 @@ inline int run_process(std::vector<std::string> arguments, const std::filesystem
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   if (failure != 0) return -2;
-  for (auto pause = std::chrono::milliseconds(1);;) {
+  end.let_go();
+  for (;;) {
     int status = 0;
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return WIFEXITED(status) ? WEXITSTATUS(status) : -3;
@@ -179,8 +211,7 @@ inline int run_process(std::vector<std::string> arguments, const std::filesystem
       ::waitpid(child, &status, 0);
       return -1;
     }
-    std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, std::chrono::milliseconds(100));
+    end.wait(100);
   }
 }
 

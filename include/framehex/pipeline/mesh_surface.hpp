@@ -70,7 +70,7 @@ struct MeshingStatistics {
 
 /// A hex-dominant mesh of the inside of a surface, and how it came about.
 struct MeshingResult {
-  Recombination recombination;     ///< `.mesh`, `.graph`, `.selection`, `.assembly`, `.seconds` (of all stages)
+  Recombination recombination;     ///< `.mesh`, `.selection`, `.assembly`, `.seconds` (of all stages)
   std::vector<Quaternion> frames;  ///< frame at each point of the mesh
   std::vector<double> smoothness;  ///< smoothness of the field there, at most 1
   MeshingStatistics statistics;

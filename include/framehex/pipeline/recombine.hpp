@@ -6,7 +6,7 @@
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/candidate_weights.hpp"
-#include "framehex/selection/conflict_search.hpp"
+#include "framehex/selection/implicit_graph.hpp"
 #include "framehex/selection/select.hpp"
 
 namespace framehex {
@@ -14,7 +14,8 @@ namespace framehex {
 /// Spans must outlive the call only.
 struct RecombineOptions {
   HexFinderOptions finder = {};  ///< its labels, adjacency and observer are set from those below
-  SelectOptions selection = {.max_passes = 45, .exact_below = 2000};
+  /// Proves nothing but for small meshes: what a proof wins is a hundredth of a per cent, for half of the time.
+  SelectOptions selection = {.gap = 1, .exact_below = 2000};
   AssemblyOptions assembly = {};             ///< its labels and observer are set from those below
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
@@ -26,7 +27,7 @@ struct RecombineOptions {
 /// A recombined mesh and how it came about.
 struct Recombination {
   MixedMesh mesh;
-  GraphStatistics graph;
+  std::size_t n_candidates = 0;  ///< potential hexahedra
   Selection selection;
   std::vector<OpenInterface> open;  ///< quadrilaterals that face two triangles, in mode `open`
   AssemblyStatistics assembly;
@@ -53,6 +54,23 @@ inline std::vector<std::array<index_t, 4>> label_facets(const TetAdjacency& adja
       if (at != sorted_faces.end() && at->first == key.first) labels[tet][i] = at->second;
     }
   return labels;
+}
+
+/// Some candidates on their own, in the order given.
+inline PotentialHexahedra chosen(const PotentialHexahedra& candidates, std::span<const index_t> members) {
+  PotentialHexahedra result;
+  for (const index_t v : members) {
+    result.vertices.push_back(candidates.vertices[v]);
+    result.quality.push_back(candidates.quality[v]);
+    result.volume.push_back(candidates.volume[v]);
+    for (const auto& [from, to] :
+         {std::pair(&candidates.tets, &result.tets), std::pair(&candidates.face_slivers, &result.face_slivers)}) {
+      const auto row = (*from)[v];
+      to->values.insert(to->values.end(), row.begin(), row.end());
+      to->end_row();
+    }
+  }
+  return result;
 }
 
 inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const LabelledEdge> edges) {
@@ -93,18 +111,22 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   options.assembly.edges = options.edges;
   options.finder.observer = options.selection.observer = options.assembly.observer = options.observer;
 
-  const PotentialHexahedra candidates = find_potential_hexahedra(mesh, options.finder, executor);
-  if (candidates.status == Status::cancelled || !keep_going(options.observer, "conflicts", 0)) return cancelled();
-  const IncompatibilityGraph graph =
-      build_incompatibility_graph(candidates, volume_times_quality(candidates), executor);
-  result.graph = statistics(graph);
+  PotentialHexahedra candidates = find_potential_hexahedra(mesh, options.finder, executor);
+  if (candidates.status == Status::cancelled) return cancelled();
+  result.n_candidates = candidates.size();
   watch.lap(result.seconds.search);
 
-  result.selection = select(graph, options.selection, executor);
+  result.selection =
+      select(ImplicitIncompatibilityGraph(candidates, volume_times_quality(candidates)), options.selection, executor);
   watch.lap(result.seconds.selection);
   if (result.selection.status == SelectionStatus::cancelled) return cancelled();
+  // The others are of no use any more, and many.
+  const std::vector<index_t> members = result.selection.members;
+  candidates = detail::chosen(candidates, members);
+  std::vector<index_t> all(members.size());
+  std::iota(all.begin(), all.end(), index_t{0});
 
-  Assembly assembly = assemble(mesh, adjacency, candidates, result.selection.members, options.assembly);
+  Assembly assembly = assemble(mesh, adjacency, candidates, all, options.assembly);
   watch.lap(result.seconds.assembly);
   if (assembly.status == Status::cancelled) return cancelled();
   result.mesh = std::move(assembly.mesh);

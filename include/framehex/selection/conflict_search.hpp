@@ -4,6 +4,8 @@
 #include "framehex/executor.hpp"
 #include "framehex/recombination/candidates.hpp"
 #include "framehex/selection/candidate_weights.hpp"
+#include "framehex/selection/detail/candidate_checks.hpp"
+#include "framehex/selection/detail/vertex_pairs.hpp"
 #include "framehex/selection/incompatibility_graph.hpp"
 
 #include <limits>
@@ -11,27 +13,6 @@
 namespace framehex {
 
 namespace detail {
-
-/// The 24 pairs of corners that decide whether two hexahedra fit: 12 edges, then 12 face diagonals, those of one face
-/// in consecutive places.
-inline constexpr std::size_t n_pairs = 24;
-inline constexpr std::size_t n_edge_pairs = 12;
-
-inline constexpr std::array<cell_tables::LocalEdge, n_pairs> hexahedron_pairs = [] {
-  std::array<cell_tables::LocalEdge, n_pairs> pairs{};
-  std::size_t n = 0;
-  for (const auto& edge : cell_tables::hexahedron_edges) pairs[n++] = edge;
-  for (const auto& face : cell_tables::hexahedron_faces) {
-    pairs[n++] = {face.corners[0], face.corners[2]};
-    pairs[n++] = {face.corners[1], face.corners[3]};
-  }
-  return pairs;
-}();
-
-/// The other diagonal of the face of a diagonal.
-constexpr std::size_t other_diagonal(std::size_t pair) {
-  return n_edge_pairs + ((pair - n_edge_pairs) ^ 1U);
-}
 
 /// Who uses each pair of vertices, and how. A slot is 24 x candidate + place in `hexahedron_pairs`.
 struct PairIndex {
@@ -53,52 +34,57 @@ struct PairIndex {
   }
 };
 
-inline std::pair<index_t, index_t> pair_of_slot(const PotentialHexahedra& candidates, std::size_t slot) {
-  const auto& corners = candidates.vertices[slot / n_pairs];
-  const auto& local = hexahedron_pairs[slot % n_pairs];
-  return std::minmax(corners[static_cast<std::size_t>(local[0])], corners[static_cast<std::size_t>(local[1])]);
+inline VertexPair pair_of_slot(const PotentialHexahedra& candidates, std::size_t slot) {
+  return pair_at(candidates.vertices[slot / n_pairs], slot % n_pairs);
 }
 
-/// Slots are gathered at the smaller vertex, then sorted by the larger: no hashing, local memory, 8 bytes a slot.
-inline PairIndex make_pair_index(const PotentialHexahedra& candidates, std::size_t n_vertices) {
-  const std::size_t n_slots = n_pairs * candidates.size();
-  std::vector<offset_t> begin(n_vertices + 1, 0);
-  for (std::size_t slot = 0; slot < n_slots; ++slot) ++begin[pair_of_slot(candidates, slot).first + 1];
-  for (std::size_t v = 0; v < n_vertices; ++v) begin[v + 1] += begin[v];
-  PairIndex index;
-  index.slots.resize(n_slots);
-  {
-    std::vector<offset_t> next(begin.begin(), begin.end() - 1);
-    for (std::size_t slot = 0; slot < n_slots; ++slot)
-      index.slots[next[pair_of_slot(candidates, slot).first]++] = static_cast<index_t>(slot);
-  }
-  index.group_of_slot.resize(n_slots);
-  struct Entry {
-    std::uint64_t key;
-    index_t slot;
-  };
-  std::vector<Entry> entries;
-  for (std::size_t v = 0; v < n_vertices; ++v) {
-    entries.clear();
-    for (offset_t i = begin[v]; i < begin[v + 1]; ++i) {
-      const index_t slot = index.slots[i];
-      const std::uint64_t other = pair_of_slot(candidates, slot).second;
-      entries.push_back({2 * other + (slot % n_pairs >= n_edge_pairs ? 1 : 0), slot});
-    }
-    std::sort(entries.begin(), entries.end(),
-              [](const Entry& x, const Entry& y) { return x.key != y.key ? x.key < y.key : x.slot < y.slot; });
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const auto position = static_cast<index_t>(begin[v] + i);
-      if (i == 0 || entries[i].key / 2 != entries[i - 1].key / 2) {
-        // A group without diagonals ends where the next begins, so its first diagonal is set when it is closed.
-        if (index.first_diagonal.size() < index.first_slot.size()) index.first_diagonal.push_back(position);
-        index.first_slot.push_back(position);
+/// Slots by the smaller vertex of their pairs, then by the larger, edges before diagonals.
+template <Executor E>
+std::vector<index_t> sort_slots(const PotentialHexahedra& candidates, std::size_t n_vertices, const E& executor) {
+  Csr<index_t> rows = make_csr(n_vertices, [&](auto&& put) {
+    for (std::size_t slot = 0; slot < n_pairs * candidates.size(); ++slot)
+      put(pair_of_slot(candidates, slot).first, static_cast<index_t>(slot));
+  });
+  for_blocks(executor, n_vertices, 256, [&](std::size_t first, std::size_t last) {
+    struct Entry {
+      std::uint64_t key;
+      index_t slot;
+    };
+    std::vector<Entry> entries;
+    for (std::size_t v = first; v < last; ++v) {
+      entries.clear();
+      for (const index_t slot : rows[v]) {
+        const std::uint64_t other = pair_of_slot(candidates, slot).second;
+        entries.push_back({2 * other + (slot % n_pairs >= n_edge_pairs ? 1 : 0), slot});
       }
-      if (entries[i].key % 2 == 1 && index.first_diagonal.size() < index.first_slot.size())
-        index.first_diagonal.push_back(position);
-      index.slots[position] = entries[i].slot;
-      index.group_of_slot[entries[i].slot] = static_cast<index_t>(index.first_slot.size() - 1);
+      std::sort(entries.begin(), entries.end(),
+                [](const Entry& x, const Entry& y) { return x.key != y.key ? x.key < y.key : x.slot < y.slot; });
+      for (std::size_t i = 0; i < entries.size(); ++i) rows[v][i] = entries[i].slot;
     }
+  });
+  return std::move(rows.values);
+}
+
+template <Executor E>
+PairIndex make_pair_index(const PotentialHexahedra& candidates, std::size_t n_vertices, const E& executor) {
+  PairIndex index;
+  index.slots = sort_slots(candidates, n_vertices, executor);
+  const std::size_t n_slots = index.slots.size();
+  index.group_of_slot.resize(n_slots);
+  VertexPair last{no_index, no_index};
+  for (std::size_t place = 0; place < n_slots; ++place) {
+    const index_t slot = index.slots[place];
+    const VertexPair pair = pair_of_slot(candidates, slot);
+    const bool is_diagonal = slot % n_pairs >= n_edge_pairs;
+    const bool in_new_group = std::exchange(last, pair) != pair;
+    // A group without diagonals ends where the next begins.
+    if ((in_new_group || is_diagonal) && index.first_diagonal.size() < index.first_slot.size())
+      index.first_diagonal.push_back(static_cast<index_t>(place));
+    if (in_new_group) {
+      index.first_slot.push_back(static_cast<index_t>(place));
+      if (is_diagonal) index.first_diagonal.push_back(static_cast<index_t>(place));
+    }
+    index.group_of_slot[slot] = static_cast<index_t>(index.first_slot.size() - 1);
   }
   if (index.first_diagonal.size() < index.first_slot.size())
     index.first_diagonal.push_back(static_cast<index_t>(n_slots));
@@ -130,20 +116,21 @@ void for_each_conflict(const PotentialHexahedra& candidates, const Csr<index_t>&
   }
 }
 
-/// The rows of the graph in blocks of candidates, and the length of each. The indices needed on the way end here.
+/// The rows of the graph in blocks of candidates. The indices needed on the way end here.
+/// @param lengths  n + 1 zeros; entry i + 1 becomes the length of row i.
 template <Executor E>
-std::pair<std::vector<offset_t>, std::vector<std::vector<index_t>>> find_conflict_rows(
-    const PotentialHexahedra& candidates, std::size_t n_vertices, std::size_t n_tets, const E& executor) {
+std::vector<std::vector<index_t>> find_conflict_rows(const PotentialHexahedra& candidates, std::size_t n_vertices,
+                                                     std::size_t n_tets, const E& executor,
+                                                     std::vector<offset_t>& lengths) {
   const std::size_t n = candidates.size();
-  const PairIndex index = make_pair_index(candidates, n_vertices);
+  const PairIndex index = make_pair_index(candidates, n_vertices, executor);
   const Csr<index_t> candidates_of_tet = make_csr(n_tets, [&](auto&& put) {
     for (std::size_t i = 0; i < n; ++i)
       for (const index_t tet : candidates.tets[i]) put(tet, static_cast<index_t>(i));
   });
-  constexpr std::size_t candidates_per_block = 2048;
+  constexpr std::size_t candidates_per_block = 1024;
   const std::size_t n_blocks = (n + candidates_per_block - 1) / candidates_per_block;
   std::vector<std::vector<index_t>> block_values(n_blocks);
-  std::vector<offset_t> lengths(n + 1, 0);
   std::vector<std::vector<index_t>> seen(executor.workers());
   executor(n_blocks, [&](std::size_t block, std::size_t worker) {
     auto& last_seen = seen[worker];
@@ -162,28 +149,23 @@ std::pair<std::vector<offset_t>, std::vector<std::vector<index_t>>> find_conflic
     }
     block_values[block].assign(values.begin(), values.end());
   });
-  return {std::move(lengths), std::move(block_values)};
+  return block_values;
 }
 
-/// Number of vertices and tetrahedra named, after checking that no candidate names a vertex twice.
-inline std::array<std::size_t, 2> check_candidates(const PotentialHexahedra& candidates) {
-  const std::size_t n = candidates.size();
-  if (n > std::numeric_limits<index_t>::max() / n_pairs)
-    throw invalid_graph("more than " + std::to_string(std::numeric_limits<index_t>::max() / n_pairs) + " candidates");
-  if (candidates.tets.size() != n)
-    throw invalid_graph("there are " + std::to_string(n) + " candidates, but tetrahedra of " +
-                        std::to_string(candidates.tets.size()));
-  std::size_t n_vertices = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    auto corners = candidates.vertices[i];
-    std::sort(corners.begin(), corners.end());
-    if (std::adjacent_find(corners.begin(), corners.end()) != corners.end())
-      throw invalid_connectivity("candidate " + std::to_string(i) + " names a vertex twice", Entity::candidate, {i});
-    n_vertices = std::max<std::size_t>(n_vertices, std::size_t{corners.back()} + 1);
+/// A row of conflicts for each candidate, ascending.
+template <Executor E>
+Csr<index_t> find_conflicts(const PotentialHexahedra& candidates, std::size_t n_vertices, std::size_t n_tets,
+                            const E& executor) {
+  Csr<index_t> rows;
+  rows.offsets.assign(candidates.size() + 1, 0);
+  auto block_values = find_conflict_rows(candidates, n_vertices, n_tets, executor, rows.offsets);
+  for (std::size_t i = 0; i < candidates.size(); ++i) rows.offsets[i + 1] += rows.offsets[i];
+  rows.values.reserve(rows.offsets.back());
+  for (auto& values : block_values) {
+    rows.values.insert(rows.values.end(), values.begin(), values.end());
+    std::vector<index_t>().swap(values);
   }
-  std::size_t n_tets = 0;
-  for (const index_t tet : candidates.tets.values) n_tets = std::max<std::size_t>(n_tets, std::size_t{tet} + 1);
-  return {n_vertices, n_tets};
+  return rows;
 }
 
 }  // namespace detail
@@ -208,22 +190,13 @@ template <class Weight, Executor E = SerialExecutor>
 IncompatibilityGraph build_incompatibility_graph(const PotentialHexahedra& candidates, Weight&& weight,
                                                  const E& executor = {}) {
   const std::size_t n = candidates.size();
+  if (n > std::numeric_limits<index_t>::max() / detail::n_pairs)
+    throw invalid_graph("more than " + std::to_string(std::numeric_limits<index_t>::max() / detail::n_pairs) +
+                        " candidates; ImplicitIncompatibilityGraph has no such limit");
   const auto [n_vertices, n_tets] = detail::check_candidates(candidates);
-  std::vector<double> weights(n);
-  for (std::size_t i = 0; i < n; ++i) weights[i] = static_cast<double>(weight(static_cast<index_t>(i)));
-  auto quantised = detail::quantise(weights);
-  std::vector<double>().swap(weights);
-
-  auto [offsets, block_values] = detail::find_conflict_rows(candidates, n_vertices, n_tets, executor);
-  Csr<index_t> rows;
-  for (std::size_t i = 0; i < n; ++i) offsets[i + 1] += offsets[i];
-  rows.offsets = std::move(offsets);
-  rows.values.reserve(rows.offsets.back());
-  for (auto& values : block_values) {
-    rows.values.insert(rows.values.end(), values.begin(), values.end());
-    std::vector<index_t>().swap(values);
-  }
-  return detail::GraphAccess::unchecked(std::move(rows), std::move(quantised));
+  auto quantised = detail::quantise(detail::list_weights(n, weight));
+  return detail::GraphAccess::unchecked(detail::find_conflicts(candidates, n_vertices, n_tets, executor),
+                                        std::move(quantised));
 }
 
 /// The same with the default weight, volume times quality.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/observer.hpp"
-#include "framehex/selection/incompatibility_graph.hpp"
+#include "framehex/selection/detail/occupancy.hpp"
 
 #include <limits>
 
@@ -31,49 +31,66 @@ struct Selection {
 namespace detail {
 
 /// Weight of a set in units.
-template <class Members>
-std::int64_t weight_in_units(const IncompatibilityGraph& graph, const Members& members) {
+template <ConflictSource G, class Members>
+std::int64_t weight_in_units(const G& graph, const Members& members) {
   std::int64_t sum = 0;
   for (const index_t v : members) sum += graph.weights_in_units()[v];
   return sum;
 }
 
-inline double from_units(const IncompatibilityGraph& graph, std::int64_t units) {
+template <ConflictSource G>
+double from_units(const G& graph, std::int64_t units) {
   return static_cast<double>(units) * graph.unit();
 }
 
-/// Candidates by falling weight, equal ones by rising `key(v)`, then by number.
-template <class Key>
-void sort_by_falling_weight(const IncompatibilityGraph& graph, std::vector<index_t>& candidates, Key&& key) {
-  const auto weights = graph.weights_in_units();
-  std::sort(candidates.begin(), candidates.end(), [&](index_t u, index_t v) {
+inline constexpr auto by_number = [](index_t v) { return v; };
+inline constexpr auto never = [] { return false; };
+
+/// Heaviest first; equal ones by rising `key(v)`, then by number.
+template <ConflictSource G, class Key>
+auto heavier_first(const G& graph, Key&& key) {
+  return [weights = graph.weights_in_units(), key](index_t u, index_t v) {
     if (weights[u] != weights[v]) return weights[u] > weights[v];
     return key(u) != key(v) ? key(u) < key(v) : u < v;
-  });
+  };
 }
 
 /// Adds what still fits, heaviest first, among equals by rising `key(v)`: makes a set maximal.
-template <class Key>
-void complete(const IncompatibilityGraph& graph, std::vector<index_t>& members, Key&& key) {
-  std::vector<std::uint8_t> blocked(graph.size(), 0);
-  for (const index_t v : members) {
-    blocked[v] = 1;
-    for (const index_t u : graph.neighbours(v)) blocked[u] = 1;
-  }
+///
+/// @param stop  asked now and then; when it says so, the rest is left out.
+template <ConflictSource G, class Key, class Stop>
+void complete(const G& graph, std::vector<index_t>& members, Key&& key, Stop&& stop) {
+  constexpr std::size_t n_at_once = 4096;
+  Occupancy<G> occupied(graph);
+  for (const index_t v : members) occupied.add(v);
   std::vector<index_t> open;
-  for (index_t v = 0; v < graph.size(); ++v)
-    if (!blocked[v]) open.push_back(v);
-  sort_by_falling_weight(graph, open, key);
-  for (const index_t v : open) {
-    if (blocked[v]) continue;
-    members.push_back(v);
-    for (const index_t u : graph.neighbours(v)) blocked[u] = 1;
+  for (index_t v = 0; v < graph.size() && !(v % n_at_once == 0 && stop()); ++v)
+    if (!occupied.blocks(v)) open.push_back(v);
+  // Block by block: the heaviest block most others, which then need not be put in order.
+  while (!open.empty() && !stop()) {
+    const auto end =
+        open.begin() + static_cast<std::ptrdiff_t>(std::min(open.size(), std::max(open.size() / 8, n_at_once)));
+    if (end != open.end()) std::nth_element(open.begin(), end, open.end(), heavier_first(graph, key));
+    std::sort(open.begin(), end, heavier_first(graph, key));
+    for (auto v = open.begin(); v != end; ++v) {
+      if (occupied.blocks(*v)) continue;
+      members.push_back(*v);
+      occupied.add(*v);
+    }
+    open.erase(open.begin(), end);
+    std::erase_if(open, [&](index_t v) { return occupied.blocks(v); });
   }
   std::sort(members.begin(), members.end());
 }
 
-inline void complete(const IncompatibilityGraph& graph, std::vector<index_t>& members) {
-  complete(graph, members, [](index_t v) { return v; });
+template <ConflictSource G, class Key>
+void complete(const G& graph, std::vector<index_t>& members, Key&& key) {
+  complete(graph, members, key, never);
+}
+
+template <ConflictSource G>
+void complete(const G& graph, std::vector<index_t>& members) {
+  complete(graph, members, by_number);
 }
 
 }  // namespace detail

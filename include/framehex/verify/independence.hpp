@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/selection/incompatibility_graph.hpp"
+#include "framehex/selection/conflict_source.hpp"
+
+#include <array>
+#include <vector>
 
 namespace framehex::verify {
 
@@ -19,7 +22,8 @@ struct IndependenceReport {
 ///
 /// @param members  candidates in any order.
 /// @par Complexity  O(n + conflicts of the members).
-inline IndependenceReport check_independence(const IncompatibilityGraph& graph, std::span<const index_t> members) {
+template <ConflictSource G>
+IndependenceReport check_independence(const G& graph, std::span<const index_t> members) {
   IndependenceReport report;
   std::vector<std::uint8_t> member(graph.size(), 0), blocked(graph.size(), 0);
   for (const index_t v : members) {
@@ -30,10 +34,10 @@ inline IndependenceReport check_independence(const IncompatibilityGraph& graph, 
   }
   for (index_t v = 0; v < graph.size(); ++v) {
     if (!member[v]) continue;
-    for (const index_t u : graph.neighbours(v)) {
+    graph.for_each_conflict(v, [&](index_t u) {
       blocked[u] = 1;
       if (member[u] && v < u) report.conflicts.push_back({v, u});
-    }
+    });
   }
   for (index_t v = 0; v < graph.size(); ++v)
     if (!member[v] && !blocked[v]) report.addable.push_back(v);
@@ -41,12 +45,14 @@ inline IndependenceReport check_independence(const IncompatibilityGraph& graph, 
 }
 
 /// Are all members in range, different and free of conflicts?
-inline bool is_independent(const IncompatibilityGraph& graph, std::span<const index_t> members) {
+template <ConflictSource G>
+bool is_independent(const G& graph, std::span<const index_t> members) {
   return check_independence(graph, members).independent();
 }
 
 /// Is the set independent, and can no candidate be added? (*Maximal*, which says nothing about *maximum*.)
-inline bool is_maximal(const IncompatibilityGraph& graph, std::span<const index_t> members) {
+template <ConflictSource G>
+bool is_maximal(const G& graph, std::span<const index_t> members) {
   return check_independence(graph, members).maximal();
 }
 

@@ -58,21 +58,27 @@ public:
   /// Appends the cells that the search finds at vertex `a`.
   void find(index_t a, Candidates<Corners>& found) {
     interior_.start_from(a);
-    search_.search(a, [&](const std::array<index_t, static_cast<std::size_t>(Corners)>& vertices) {
+    proposals_.clear();
+    search_.search(a, [this](const Cell& vertices) { proposals_.push_back(vertices); });
+    // The order of the cells depends on the numbers of the vertices, not on those of the tetrahedra.
+    std::sort(proposals_.begin(), proposals_.end());
+    for (const Cell& vertices : proposals_) {
       std::array<Vector3, static_cast<std::size_t>(Corners)> corners;
       for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = input_->points()[vertices[i]];
       CellValues values{};
       if (!evaluate<kind_with<Corners>>(corners, input_->options().quality_floor, values) || !interior_.fill(vertices))
-        return;
+        continue;
       found.vertices.push_back(vertices);
       found.quality.push_back(static_cast<float>(values.quality));
       found.volume.push_back(values.volume);
       append_row(found.tets, interior_.tets);
       append_row(found.face_slivers, interior_.slivers);
-    });
+    }
   }
 
 private:
+  using Cell = std::array<index_t, static_cast<std::size_t>(Corners)>;
+
   static void append_row(Csr<index_t>& rows, const std::vector<index_t>& row) {
     rows.values.insert(rows.values.end(), row.begin(), row.end());
     rows.end_row();
@@ -81,6 +87,7 @@ private:
   const FinderInput* input_;
   Search search_;
   CellInterior<Corners> interior_;
+  std::vector<Cell> proposals_;
 };
 
 /// Runs a search from every vertex in blocks, by any executor, into one result in the order of the vertices.

@@ -276,7 +276,7 @@ template <class Key>
 std::int64_t partition_bound(const IncompatibilityGraph& graph, Key&& key) {
   std::vector<index_t> order(graph.size()), rank(graph.size()), clique;
   std::iota(order.begin(), order.end(), index_t{0});
-  detail::sort_by_falling_weight(graph, order, key);
+  std::sort(order.begin(), order.end(), detail::heavier_first(graph, key));
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<index_t>(i);
   detail::CliqueGrower grower(graph);
   std::vector<std::uint8_t> used(graph.size(), 0);

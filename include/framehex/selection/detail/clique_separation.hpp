@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/selection/detail/bitset_search.hpp"
-#include "framehex/selection/detail/lp_bound.hpp"
+#include "framehex/selection/detail/clique_cover.hpp"
 
 #include <set>
 
@@ -16,19 +16,21 @@ namespace framehex::detail {
 /// as an independent set of the small complement.
 class CliqueSeparator {
 public:
+  /// @param graph  must outlive this.
   explicit CliqueSeparator(const IncompatibilityGraph& graph)
       : graph_(graph), grower_(graph), local_(graph.size(), no_index) {}
 
   enum class Effort { quick, thorough };
 
+  /// @param primal        relaxed selection, by candidate.
+  /// @param reduced       weights less the prices of the cliques, by candidate.
   /// @param least_excess  a clique is worth adding when its sum is above 1 by this.
   /// @return maximal cliques, each once.
   /// @par Complexity  `quick` O(s d) for s shares in doubt and the mean degree d.
-  Csr<index_t> separate(const LpBound& relaxation, Effort effort, double least_excess = 0.01) {
+  Csr<index_t> separate(std::span<const float> primal, std::span<const float> reduced, Effort effort,
+                        double least_excess = 0.01) {
     Csr<index_t> found;
     std::set<std::vector<index_t>> known;
-    const std::span<const float> primal = relaxation.primal();
-    const std::vector<float> reduced = relaxation.reduced_weights();
     n_found_.assign(graph_.size(), 0);
     for (const index_t v : by_falling_share(primal, effort)) {
       if (effort == Effort::quick && n_found_[v] == enough) continue;

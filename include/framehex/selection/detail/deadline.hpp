@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/executor.hpp"
 #include "framehex/observer.hpp"
 
 #include <chrono>
@@ -24,6 +25,12 @@ public:
     next_call_ = now + std::chrono::milliseconds(50);
     if (!keep_going(*observer_, "selection", fraction_)) passed_ = cancelled_ = true;
     return passed_;
+  }
+
+  /// An executor that stops when this has passed: what it has made by then is of no use.
+  template <Executor E>
+  auto watch(const E& executor) {
+    return StoppableExecutor(executor, [this] { return passed(); });
   }
 
   bool cancelled() const { return cancelled_; }

@@ -18,9 +18,10 @@ namespace framehex {
 /// out, and solves that exactly.
 ///
 /// @par Determinism  Serial; from the seed.
+template <ConflictSource G>
 class IteratedSearch {
 public:
-  IteratedSearch(const IncompatibilityGraph& graph, std::span<const index_t> members, std::uint64_t seed = 1)
+  IteratedSearch(const G& graph, std::span<const index_t> members, std::uint64_t seed = 1)
       : graph_(graph),
         search_(graph),
         random_(seed),
@@ -39,7 +40,7 @@ public:
 
   /// Goes over to another selection, after local search, when that is heavier. @pre independent.
   void offer(std::span<const index_t> members) {
-    if (!other_) other_ = std::make_unique<LocalSearch>(graph_);
+    if (!other_) other_ = std::make_unique<LocalSearch<G>>(graph_);
     other_->assign(members);
     other_->improve();
     if (other_->weight_in_units() <= search_.weight_in_units()) return;
@@ -61,11 +62,9 @@ public:
       const std::size_t n_forced = 1 + (pick(4) == 0 ? 1 + pick(3) : 0);
       for (std::size_t k = 0; k < n_forced; ++k) {
         search_.force_and_lock(v);
-        const auto row = graph_.neighbours(v);
-        if (row.empty()) break;
         // Two steps away lies a candidate that can stand beside the first.
-        const auto second = graph_.neighbours(row[pick(row.size())]);
-        v = second[pick(second.size())];
+        if (!step(v)) break;
+        step(v);
       }
       search_.improve();
       search_.unlock();
@@ -92,8 +91,9 @@ public:
     }
     exact_.assign(window_weights_);
     for (const index_t v : window_)
-      for (const index_t u : graph_.neighbours(v))
+      graph_.for_each_conflict(v, [&](index_t u) {
         if (u < v && local_[u] != no_index) exact_.add_conflict(local_[u], local_[v]);
+      });
     for (const index_t v : window_) local_[v] = no_index;
     exact_.solve(inside, max_nodes);
     if (exact_.members().empty()) return false;
@@ -117,6 +117,15 @@ public:
 private:
   std::size_t pick(std::size_t n) { return boost::random::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
 
+  /// Goes to a random neighbour. @return false when there is none.
+  bool step(index_t& v) {
+    row_.clear();
+    graph_.for_each_conflict(v, [this](index_t u) { row_.push_back(u); });
+    if (row_.empty()) return false;
+    v = row_[pick(row_.size())];
+    return true;
+  }
+
   /// Members of the set in breadth-first order round the centre, until those that only they keep out are enough.
   void open_window(index_t centre, std::size_t n_free) {
     ++stamp_;
@@ -127,34 +136,61 @@ private:
     for (std::size_t next = 0; next < front_.size() && window_.size() < n_free; ++next) {
       const index_t v = front_[next];
       if (search_.contains(v)) open_member(v);
-      for (const index_t u : graph_.neighbours(v))
-        if (reached_[u] != stamp_) {
-          reached_[u] = stamp_;
-          front_.push_back(u);
-        }
+      graph_.for_each_conflict(v, [this](index_t u) {
+        if (reached_[u] == stamp_) return;
+        reached_[u] = stamp_;
+        front_.push_back(u);
+      });
     }
     for (const index_t v : freed_) n_freed_owners_[v] = 0;
   }
 
   void open_member(index_t member) {
     window_.push_back(member);
-    for (const index_t u : graph_.neighbours(member)) {
+    graph_.for_each_conflict(member, [this](index_t u) {
       if (n_freed_owners_[u] == 0) freed_.push_back(u);
       ++n_freed_owners_[u];
       if (n_freed_owners_[u] == search_.n_owners(u)) window_.push_back(u);
-    }
+    });
   }
 
-  const IncompatibilityGraph& graph_;
-  LocalSearch search_;
-  std::unique_ptr<LocalSearch> other_;
+  const G& graph_;
+  LocalSearch<G> search_;
+  std::unique_ptr<LocalSearch<G>> other_;
   std::mt19937_64 random_;
   detail::BitsetSearch exact_;
-  std::vector<index_t> local_, n_freed_owners_, window_, front_, freed_;
+  std::vector<index_t> local_, n_freed_owners_, window_, front_, freed_, row_;
   std::vector<std::int64_t> window_weights_;
   std::vector<std::uint32_t> reached_;
   std::uint32_t stamp_ = 0;
   std::size_t n_iterations_ = 0;
 };
+
+namespace detail {
+
+/// Where a selection and its relaxation do not agree.
+template <ConflictSource G>
+std::vector<index_t> doubtful(const IteratedSearch<G>& search, std::span<const float> primal) {
+  std::vector<index_t> places;
+  for (index_t v = 0; v < primal.size(); ++v)
+    if (search.contains(v) ? primal[v] < 0.9F : primal[v] > 0.1F) places.push_back(v);
+  return places;
+}
+
+/// A selection from a relaxed one: largest shares first.
+inline std::vector<index_t> round_relaxation(const IncompatibilityGraph& graph, std::span<const float> primal) {
+  std::vector<index_t> order(graph.size());
+  std::iota(order.begin(), order.end(), index_t{0});
+  const auto heavier = heavier_first(graph, by_number);
+  std::sort(order.begin(), order.end(),
+            [&](index_t u, index_t v) { return primal[u] != primal[v] ? primal[u] > primal[v] : heavier(u, v); });
+  Occupancy<IncompatibilityGraph> occupied(graph);
+  std::vector<index_t> members;
+  for (const index_t v : order)
+    if (!occupied.blocks(v)) occupied.add(v), members.push_back(v);
+  return members;
+}
+
+}  // namespace detail
 
 }  // namespace framehex

@@ -13,9 +13,10 @@ namespace framehex {
 /// @par Complexity   24 bytes a candidate; a change costs the degree of the candidate.
 /// @par Determinism  Serial, in the order of the touches.
 /// @par Source       Nogueira, Pinheiro, Subramanian, Optim. Lett. 12 (2018) 567-583; the undo log is ours.
+template <ConflictSource G>
 class LocalSearch {
 public:
-  explicit LocalSearch(const IncompatibilityGraph& graph)
+  explicit LocalSearch(const G& graph)
       : graph_(graph), states_(graph.size()), queued_(graph.size(), 0), mark_(graph.size(), 0) {}
 
   /// Starts from a set. @pre independent.
@@ -43,8 +44,9 @@ public:
   void force(index_t v) {
     if (contains(v)) return;
     if (states_[v].n_owners > 0)
-      for (const index_t u : graph_.neighbours(v))
+      graph_.for_each_conflict(v, [this](index_t u) {
         if (contains(u)) drop(u);
+      });
     take(v);
   }
 
@@ -58,15 +60,14 @@ public:
   /// Lets those that were kept out by locks be looked at again.
   void unlock() {
     const std::vector<index_t> locked = std::exchange(locked_, {});
-    for (const index_t v : locked)
-      for (const index_t u : graph_.neighbours(v)) touch(u);
+    for (const index_t v : locked) graph_.for_each_conflict(v, [this](index_t u) { touch(u); });
   }
 
   /// Takes v out, leaving its place open.
   void drop(index_t v) {
     remove(v);
     log_.push_back({v, Change::removed});
-    for (const index_t u : graph_.neighbours(v)) touch(u);
+    graph_.for_each_conflict(v, [this](index_t u) { touch(u); });
     touch(v);
   }
 
@@ -133,24 +134,24 @@ private:
     const std::int64_t w = weights()[v];
     states_[v].n_owners = selected;
     weight_ += w;
-    for (const index_t u : graph_.neighbours(v)) {
+    graph_.for_each_conflict(v, [&](index_t u) {
       State& s = states_[u];
       s.blocking += w;
       ++s.n_owners;
       s.owner_sum += v;
-    }
+    });
   }
 
   void remove(index_t v) {
     const std::int64_t w = weights()[v];
     states_[v].n_owners = 0;
     weight_ -= w;
-    for (const index_t u : graph_.neighbours(v)) {
+    graph_.for_each_conflict(v, [&](index_t u) {
       State& s = states_[u];
       s.blocking -= w;
       --s.n_owners;
       s.owner_sum -= v;
-    }
+    });
   }
 
   void take(index_t v) {
@@ -175,11 +176,11 @@ private:
   void try_one_for_two(index_t v) {
     kept_out_.clear();
     std::int64_t heaviest = 0;
-    for (const index_t u : graph_.neighbours(v))
-      if (states_[u].n_owners == 1) {
-        kept_out_.push_back(u);
-        heaviest = std::max(heaviest, weights()[u]);
-      }
+    graph_.for_each_conflict(v, [&](index_t u) {
+      if (states_[u].n_owners != 1) return;
+      kept_out_.push_back(u);
+      heaviest = std::max(heaviest, weights()[u]);
+    });
     if (kept_out_.size() < 2) return;
     std::int64_t best = weights()[v];
     index_t first = no_index, second = no_index;
@@ -187,7 +188,7 @@ private:
       const index_t a = kept_out_[i];
       if (weights()[a] + heaviest <= best) continue;
       ++stamp_;
-      for (const index_t u : graph_.neighbours(a)) mark_[u] = stamp_;
+      graph_.for_each_conflict(a, [this](index_t u) { mark_[u] = stamp_; });
       for (std::size_t j = i + 1; j < kept_out_.size(); ++j) {
         const index_t b = kept_out_[j];
         const std::int64_t both = weights()[a] + weights()[b];
@@ -200,7 +201,7 @@ private:
     take(second);
   }
 
-  const IncompatibilityGraph& graph_;
+  const G& graph_;
   std::vector<State> states_;
   std::vector<std::uint8_t> queued_;
   std::vector<std::uint32_t> mark_;

@@ -164,7 +164,7 @@ private:
       const auto row = cover_.cliques[c];
       float use = 0;
       for (const index_t v : row) use += 2 * next_x_[v] - x_[v];
-      const float rate = step_size * balance_ / static_cast<float>(row.size());
+      const float rate = step_size * balance_ / static_cast<float>(std::max<std::size_t>(row.size(), 1));
       next_y_[c] = std::max(0.0F, y_[c] + rate * (use - 1));
       moved += static_cast<double>((next_y_[c] - y_[c]) * (next_y_[c] - y_[c]) / rate);
       y_[c] = keep * (2 * next_y_[c] - y_[c]) + (1 - keep) * anchor_y_[c];

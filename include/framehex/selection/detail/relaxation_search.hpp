@@ -9,25 +9,6 @@
 
 namespace framehex::detail {
 
-/// A selection from a relaxed one: largest shares first, then local search.
-inline std::vector<index_t> round_relaxation(const IncompatibilityGraph& graph, std::span<const float> primal) {
-  std::vector<index_t> order(graph.size());
-  std::iota(order.begin(), order.end(), index_t{0});
-  const auto weights = graph.weights_in_units();
-  std::sort(order.begin(), order.end(), [&](index_t u, index_t v) {
-    if (primal[u] != primal[v]) return primal[u] > primal[v];
-    return weights[u] != weights[v] ? weights[u] > weights[v] : u < v;
-  });
-  std::vector<std::uint8_t> blocked(graph.size(), 0);
-  std::vector<index_t> members;
-  for (const index_t v : order) {
-    if (blocked[v]) continue;
-    members.push_back(v);
-    for (const index_t u : graph.neighbours(v)) blocked[u] = 1;
-  }
-  return members;
-}
-
 /// Runs a relaxation until its bound settles, with cliques added where it overfills them.
 ///
 /// @param goal  stops as soon as the bound is this low, in units.
@@ -41,7 +22,8 @@ inline void settle_relaxation(const IncompatibilityGraph& graph, LpBound& relaxa
     if (relaxation.bound() <= goal || deadline.passed()) return;
     if (before - relaxation.bound() > (before - goal) / 50) continue;
     if (n_cuts++ == 12) return;
-    const auto cliques = separator.separate(relaxation, CliqueSeparator::Effort::thorough);
+    const auto cliques =
+        separator.separate(relaxation.primal(), relaxation.reduced_weights(), CliqueSeparator::Effort::thorough);
     if (cliques.empty()) return;
     relaxation.add_cliques(cliques);
     relaxation.iterate(100);

@@ -1,27 +1,53 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/selection/conflict_search.hpp"
 #include "framehex/selection/detail/clique_cover.hpp"
+#include "framehex/selection/implicit_graph.hpp"
 
 namespace framehex::detail {
+
+template <ConflictSource G>
+QuantisedWeights weights_of(const G& graph, std::span<const index_t> kept) {
+  QuantisedWeights weights{{}, graph.unit()};
+  for (const index_t v : kept) weights.values.push_back(graph.weights_in_units()[v]);
+  return weights;
+}
 
 /// The graph on some candidates, renumbered in their order; the same unit.
 ///
 /// @param kept  ascending.
-inline IncompatibilityGraph induced_subgraph(const IncompatibilityGraph& graph, std::span<const index_t> kept) {
+template <ConflictSource G, Executor E = SerialExecutor>
+IncompatibilityGraph induced_subgraph(const G& graph, std::span<const index_t> kept, const E& = {}) {
   std::vector<index_t> number(graph.size(), no_index);
   for (std::size_t i = 0; i < kept.size(); ++i) number[kept[i]] = static_cast<index_t>(i);
-  QuantisedWeights weights;
-  weights.unit = graph.unit();
   Csr<index_t> rows;
   rows.offsets.reserve(kept.size() + 1);
   for (const index_t v : kept) {
-    weights.values.push_back(graph.weights_in_units()[v]);
-    for (const index_t u : graph.neighbours(v))
+    const std::size_t first = rows.values.size();
+    graph.for_each_conflict(v, [&](index_t u) {
       if (number[u] != no_index) rows.values.push_back(number[u]);
+    });
+    std::sort(rows.values.begin() + static_cast<std::ptrdiff_t>(first), rows.values.end());
     rows.end_row();
   }
-  return GraphAccess::unchecked(std::move(rows), std::move(weights));
+  return GraphAccess::unchecked(std::move(rows), weights_of(graph, kept));
+}
+
+/// The same, from the keys of these candidates alone.
+template <Executor E = SerialExecutor>
+IncompatibilityGraph induced_subgraph(const ImplicitIncompatibilityGraph& graph, std::span<const index_t> kept,
+                                      const E& executor = {}) {
+  PotentialHexahedra part;
+  part.vertices.reserve(kept.size());
+  for (const index_t v : kept) {
+    part.vertices.push_back(graph.candidates().vertices[v]);
+    const auto tets = graph.candidates().tets[v];
+    part.tets.values.insert(part.tets.values.end(), tets.begin(), tets.end());
+    part.tets.end_row();
+  }
+  return GraphAccess::unchecked(find_conflicts(part, graph.n_vertices(), graph.n_tets(), executor),
+                                weights_of(graph, kept));
 }
 
 /// The connected components among some candidates, each ascending, by their smallest member.

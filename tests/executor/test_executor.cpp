@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/executor.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+#include <stdexcept>
+
+using namespace framehex;
+
+TEST_CASE("each block is run once, with a worker of its own at a time", "[executor]") {
+  for (const std::size_t n_threads : {1, 2, 3, 7}) {
+    const ThreadExecutor executor(n_threads);
+    REQUIRE(executor.workers() == n_threads);
+    for (const std::size_t n_blocks : {0, 1, 2, 5, 1000}) {
+      std::vector<std::atomic<int>> runs(n_blocks), inside(n_threads);
+      std::atomic<bool> shared{false};
+      executor(n_blocks, [&](std::size_t block, std::size_t worker) {
+        if (inside[worker]++ != 0) shared = true;
+        ++runs[block];
+        --inside[worker];
+      });
+      CHECK_FALSE(shared);
+      for (const auto& n : runs) CHECK(n == 1);
+    }
+  }
+}
+
+TEST_CASE("threads are kept", "[executor]") {
+  const ThreadExecutor executor(3);
+  const ThreadExecutor copy = executor;
+  std::set<std::thread::id> ids;
+  std::mutex mutex;
+  for (int call = 0; call < 500; ++call)
+    (call % 2 == 0 ? executor : copy)(8, [&](std::size_t, std::size_t) {
+      const std::lock_guard lock(mutex);
+      ids.insert(std::this_thread::get_id());
+    });
+  CHECK(ids.size() <= 3);
+}
+
+TEST_CASE("calls within blocks and from several threads end", "[executor]") {
+  const ThreadExecutor executor(3);
+  std::atomic<int> n{0};
+  executor(20, [&](std::size_t, std::size_t) { executor(10, [&](std::size_t, std::size_t) { ++n; }); });
+  CHECK(n == 200);
+  {
+    std::vector<std::jthread> hosts;
+    for (int host = 0; host < 4; ++host)
+      hosts.emplace_back([&] {
+        for (int call = 0; call < 50; ++call) executor(10, [&](std::size_t, std::size_t) { ++n; });
+      });
+  }
+  CHECK(n == 200 + 4 * 50 * 10);
+}
+
+TEST_CASE("what a block throws arrives, and the pool goes on", "[executor]") {
+  const ThreadExecutor executor(3);
+  for (int call = 0; call < 20; ++call) {
+    CHECK_THROWS_AS(executor(100,
+                             [&](std::size_t block, std::size_t) {
+                               if (block == 50) throw std::runtime_error("block 50");
+                             }),
+                    std::runtime_error);
+    std::atomic<int> n{0};
+    executor(100, [&](std::size_t, std::size_t) { ++n; });
+    CHECK(n == 100);
+  }
+}
+
+TEST_CASE("an executor that is told to stop leaves the rest out", "[executor]") {
+  int n_asked = 0;
+  std::size_t n_run = 0;
+  const SerialExecutor serial;
+  const StoppableExecutor executor(serial, [&] { return ++n_asked == 10; });
+  executor(100, [&](std::size_t, std::size_t) { ++n_run; });
+  CHECK(n_run == 10);
+}
