@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/triangle_distance.hpp"
 #include "framehex/mesh/adjacency.hpp"
+#include "framehex/surface/detail/box_tree.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,8 +23,8 @@ struct TetLocation {
 /// Finds tetrahedra by walking, and keeps the geometry that walking needs.
 ///
 /// A walk from a good hint visits a handful of tetrahedra. Where it fails (a hole between hint and point, a cycle, no
-/// hint) a uniform grid over the cells decides exactly whether a tetrahedron holds the point, so the answer inside does
-/// not depend on the hint but where tetrahedra touch.
+/// hint) a uniform grid over the cells decides whether a tetrahedron holds the point, and a tree of boxes over the
+/// boundary which place is nearest when none does: the answer does not depend on the hint but where tetrahedra touch.
 ///
 /// All members are const and may be called from several threads at once.
 class TetLocator {
@@ -30,40 +32,44 @@ public:
   TetLocator() = default;
 
   /// @param adjacency  of the mesh. @param points  one per vertex, in the host's unit.
-  /// @par Complexity   O(n) for cells of similar size; about 20 bytes a tetrahedron beside what is passed in.
+  /// @par Complexity   O(n) for cells of similar size; about 20 bytes a tetrahedron and 60 a boundary facet beside what
+  ///                   is passed in.
   TetLocator(TetAdjacency adjacency, std::vector<Vector3> points)
       : adjacency_(std::move(adjacency)), points_(std::move(points)) {
     build_grid();
+    build_boundary();
   }
 
   const TetAdjacency& adjacency() const { return adjacency_; }
   const std::vector<Vector3>& points() const { return points_; }
 
-  /// The tetrahedron holding `p`.
-  ///
-  /// Outside the mesh: the nearest to `p` among the places reached, which lie on the boundary near `p` but are not
-  /// always the nearest of all.
+  /// The tetrahedron holding `p`; outside the mesh, that of the boundary point nearest to `p`.
   ///
   /// @param hint  a tetrahedron near `p`, or `no_index`; any value is safe.
-  /// @par Complexity   O(steps of the walk); with no hint or a failed walk, the cells of one grid box.
+  /// @pre `p` is finite.
+  /// @par Complexity   O(steps of the walk); with no hint or a failed walk, the cells of one grid box, and O(log n)
+  ///                   outside.
   TetLocation locate(const Vector3& p, index_t hint = no_index) const {
     TetLocation best;
     if (adjacency_.tets.empty()) return best;
     if (hint < adjacency_.tets.size() && walk(p, hint, best)) return best;
-    double distance = best.tet == no_index ? 0 : (position(best) - p).squaredNorm();
-    const std::size_t box = box_of(p);
-    for (const index_t tet : boxes_[box]) {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const index_t tet : boxes_[box_of(p)]) {
       const std::array<double, 4> b = barycentric(tet, p);
       if (*std::min_element(b.begin(), b.end()) >= -tolerance) return {tet, clamped(b), true};
       const TetLocation clipped{tet, clamped(b), false};
       const double d = (position(clipped) - p).squaredNorm();
-      if (best.tet == no_index || d < distance) {
-        best = clipped;
-        distance = d;
-      }
+      if (d >= distance) continue;
+      best = clipped;
+      distance = d;
     }
-    if (best.tet == no_index) walk(p, seed_[box], best);
-    return best;
+    // A point that no tetrahedron holds by its rounded coordinates, but that is nearer to one than they tell, is within
+    // a sliver.
+    if (distance <= negligible_) {
+      best.inside = true;
+      return best;
+    }
+    return nearest_on_boundary(p);
   }
 
   /// The point of a location.
@@ -94,9 +100,8 @@ private:
     return b;
   }
 
-  /// Goes on through the facet beyond which `p` lies farthest. @return true when it arrives; else `last` is the place
-  /// where it stopped, or is left alone when the walk went round in circles.
-  bool walk(const Vector3& p, index_t tet, TetLocation& last) const {
+  /// Goes on through the facet beyond which `p` lies farthest. @return whether it arrives, in `found` then.
+  bool walk(const Vector3& p, index_t tet, TetLocation& found) const {
     index_t from = no_index;
     for (std::size_t step = 0; step < max_steps_; ++step) {
       const std::array<double, 4> b = barycentric(tet, p);
@@ -108,14 +113,37 @@ private:
         const index_t next = adjacency_.neighbours[tet][i];
         if (next != no_index && next != from && (exit == 4 || b[i] < b[exit])) exit = i;
       }
-      if (exit == 4) {
-        last = {tet, clamped(b), !beyond};
-        return !beyond;
-      }
+      if (!beyond) found = {tet, clamped(b), true};
+      if (exit == 4) return !beyond;
       from = tet;
       tet = adjacency_.neighbours[tet][exit];
     }
     return false;
+  }
+
+  TetLocation nearest_on_boundary(const Vector3& p) const {
+    std::size_t best = 0;
+    TrianglePoint place;
+    double distance = std::numeric_limits<double>::infinity();
+    boundary_.nearest(p, distance, [&](index_t first, index_t count) {
+      for (index_t i = first; i < first + count; ++i) {
+        const auto [tet, opposite] = facets_[boundary_.order()[i]];
+        const auto v = facet(adjacency_.tets[tet], opposite);
+        const TrianglePoint q = nearest_on_triangle(p, points_[v[0]], points_[v[1]], points_[v[2]]);
+        if (q.squared_distance > distance || (q.squared_distance == distance && boundary_.order()[i] > best)) continue;
+        best = boundary_.order()[i];
+        place = q;
+        distance = q.squared_distance;
+      }
+      return distance;
+    });
+    const auto [tet, opposite] = facets_[best];
+    const auto v = facet(adjacency_.tets[tet], opposite);
+    std::array<double, 4> weights{};
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        if (adjacency_.tets[tet][i] == v[corner]) weights[i] = place.barycentric[static_cast<int>(corner)];
+    return {tet, clamped(weights), false};
   }
 
   std::array<std::size_t, 3> cell_of(const Vector3& p) const {
@@ -164,15 +192,26 @@ private:
             for (std::size_t x = first[0]; x <= last[0]; ++x) put(number({x, y, z}), static_cast<index_t>(tet));
       }
     });
-    // A box without cells starts its walk from the last cell seen before it.
-    seed_.resize(boxes_.size());
-    index_t seen = 0;
-    for (std::size_t box = 0; box < boxes_.size(); ++box) {
-      if (!boxes_[box].empty()) seen = boxes_[box].front();
-      seed_[box] = seen;
-    }
+    negligible_ = 1e-24 * extent.squaredNorm();
     max_steps_ = 100 + 4 * static_cast<std::size_t>(std::cbrt(n));
   }
+
+  void build_boundary() {
+    std::vector<detail::BoxTree::Bounds> bounds;
+    for (index_t tet = 0; tet < adjacency_.tets.size(); ++tet)
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (adjacency_.neighbours[tet][i] != no_index) continue;
+        const auto v = facet(adjacency_.tets[tet], static_cast<int>(i));
+        bounds.push_back(detail::triangle_bounds(points_[v[0]], points_[v[1]], points_[v[2]]));
+        facets_.push_back({tet, static_cast<int>(i)});
+      }
+    boundary_ = detail::BoxTree(bounds);
+  }
+
+  struct Facet {
+    index_t tet;
+    int opposite;  // corner
+  };
 
   TetAdjacency adjacency_;
   std::vector<Vector3> points_;
@@ -180,8 +219,10 @@ private:
   double inverse_side_ = 0;
   std::array<std::size_t, 3> n_boxes_{};
   Csr<index_t> boxes_;
-  std::vector<index_t> seed_;
+  double negligible_ = 0;  // a squared distance
   std::size_t max_steps_ = 0;
+  std::vector<Facet> facets_;  // of the boundary
+  detail::BoxTree boundary_;
 };
 
 }  // namespace framehex

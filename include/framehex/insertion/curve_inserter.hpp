@@ -53,6 +53,7 @@ MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const ind
                             const Size& size, double limit) {
   constexpr double steps_per_size = 4, max_steps = 100'000;
   MeasuredCurve curve;
+  index_t hint = no_index;
   Vector3 first_direction = Vector3::Zero(), last_direction = Vector3::Zero();
   const auto turn_to = [&](const Vector3& direction) {
     if (!last_direction.isZero()) curve.turn += std::acos(std::clamp(direction.dot(last_direction), -1.0, 1.0));
@@ -65,7 +66,7 @@ MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const ind
     const Vector3 direction = (b - a) / length;
     turn_to(direction);
     if (first_direction.isZero()) first_direction = direction;
-    const auto size_at = [&](double s) { return checked_size(size, Vector3(a + s * (b - a))); };
+    const auto size_at = [&](double s) { return checked_size(size, Vector3(a + s * (b - a)), hint); };
     const double least = std::min({size_at(0), size_at(0.5), size_at(1)});
     const double n = std::clamp(std::ceil(steps_per_size * length / least), 1.0, max_steps);
     double before = 1 / size_at(0);

@@ -23,12 +23,13 @@ template <TriangleMesh M, SizeField Size>
 PointEstimate estimate_surface_points(const M& mesh, const Size& size) {
   const auto& surface = detail::flat(mesh);
   PointEstimate result;
+  index_t hint = no_index;
   for (const auto& t : surface.triangles) {
     const Vector3 &a = surface.points[t[0]], &b = surface.points[t[1]], &c = surface.points[t[2]];
     double density = 0;
     for (const Vector3& p :
          {Vector3((4 * a + b + c) / 6), Vector3((a + 4 * b + c) / 6), Vector3((a + b + 4 * c) / 6)}) {
-      const double h = detail::checked_size(size, p);
+      const double h = detail::checked_size(size, p, hint);
       density += 1 / (3 * h * h);
       result.largest_size = std::max(result.largest_size, h);
     }
@@ -45,11 +46,12 @@ template <class Domain, SizeField Size>
 PointEstimate estimate_volume_points(const Vector3& low, const Vector3& high, const Domain& domain, const Size& size) {
   constexpr int n = 16;
   PointEstimate result;
+  index_t hint = no_index;
   const Vector3 cell = (high - low) / n;
   for (int i = 0; i < n * n * n; ++i) {
     const Vector3 p = low + cell.cwiseProduct(Vector3(i % n + 0.5, i / n % n + 0.5, i / (n * n) + 0.5));
     if (domain.clearance(p, cell.norm()) <= 0) continue;
-    const double h = detail::checked_size(size, p);
+    const double h = detail::checked_size(size, p, hint);
     result.n_points += cell.prod() / (h * h * h);
     result.largest_size = std::max(result.largest_size, h);
   }

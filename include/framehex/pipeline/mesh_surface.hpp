@@ -140,7 +140,8 @@ private:
   double background_edge(const Surface& surface) const {
     if (options_.background_edge) return *options_.background_edge;
     double sum = 0;
-    for (const Vector3& p : surface.points) sum += checked_size(size_, p);
+    index_t hint = no_index;
+    for (const Vector3& p : surface.points) sum += checked_size(size_, p, hint);
     return sum / static_cast<double>(surface.points.size());
   }
 

@@ -109,7 +109,9 @@ public:
     const auto sample = frames_.sample(p, hint);
     const Quaternion frame = sample.frame;
     if (!(std::abs(frame.squaredNorm() - 1) < 1e-6)) not_a_frame(p);
-    return {frame.toRotationMatrix(), frame, sample.smoothness, detail::checked_size(size_, p), hint};
+    // The sizes are often those of the frames' own mesh; for others the hint does no harm.
+    index_t size_hint = hint;
+    return {frame.toRotationMatrix(), frame, sample.smoothness, detail::checked_size(size_, p, size_hint), hint};
   }
 
   index_t store(const Vector3& p, const Probe& at, index_t generation, double clearance) {
