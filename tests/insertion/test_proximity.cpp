@@ -76,7 +76,7 @@ TEMPLATE_TEST_CASE("moved points are found where they are, once", "", HashGrid, 
   for (int round = 0; round < 5; ++round) {
     for (index_t i = 0; i < points.size(); ++i) {
       points[i] += uniform.point(i % 2 == 0 ? 0.05 : 2);  // within a cell, and far
-      filter.move(i, points[i]);
+      filter.move(i, points[i], i % 5 == 0 ? 0.3 : 0.9);
     }
     for (int query = 0; query < 20; ++query) {
       const Vector3 centre = uniform.point(3), half(1, 0.3, 2);
@@ -86,6 +86,43 @@ TEMPLATE_TEST_CASE("moved points are found where they are, once", "", HashGrid, 
       REQUIRE(found(filter, centre - half, centre + half) == expected);
     }
   }
+}
+
+TEMPLATE_TEST_CASE("every point that reaches a place by its own size is found, moved ones too", "", HashGrid,
+                   RTreeFilter) {
+  Uniform uniform;
+  TestType filter(1.0);
+  std::vector<Vector3> points;
+  std::vector<double> sizes;
+  const auto size = [&uniform] { return std::pow(10, 1.3 * uniform.point(1).x() - 1); };  // 0.005 to 2
+  for (index_t i = 0; i < 1500; ++i) {
+    points.push_back(uniform.point(3));
+    sizes.push_back(size());
+    filter.insert(points[i], sizes[i]);
+  }
+  std::size_t n_found = 0, n_farther_than_near = 0;
+  for (int round = 0; round < 3; ++round) {
+    for (int query = 0; query < 200; ++query) {
+      const Vector3 place = uniform.point(3);
+      std::vector<index_t> visited;
+      filter.for_each_reaching(place, 0.7, [&](index_t i, const Vector3&) { visited.push_back(i); });
+      std::sort(visited.begin(), visited.end());
+      CHECK(std::adjacent_find(visited.begin(), visited.end()) == visited.end());
+      for (index_t i = 0; i < points.size(); ++i) {
+        if ((points[i] - place).cwiseAbs().maxCoeff() > 0.7 * sizes[i]) continue;
+        ++n_found;
+        n_farther_than_near += (points[i] - place).norm() > 0.2;
+        if (!std::binary_search(visited.begin(), visited.end(), i)) FAIL_CHECK("point " << i << " was passed by");
+      }
+    }
+    for (index_t i = 0; i < points.size(); i += 2) {
+      points[i] += uniform.point(0.5);
+      sizes[i] = size();
+      filter.move(i, points[i], sizes[i]);
+    }
+  }
+  CHECK(n_farther_than_near > 100);
+  CHECK(n_found > n_farther_than_near);
 }
 
 TEMPLATE_TEST_CASE("a closed box contains its faces", "", HashGrid, RTreeFilter) {

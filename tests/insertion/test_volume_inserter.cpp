@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <set>
 
 using namespace framehex;
@@ -274,4 +275,55 @@ TEST_CASE("step by step is the same as in one go") {
   const auto whole = insert_volume_points<SmoothnessOrder>(seeds, frames, size, shell, {.rounds = 0});
   CHECK(steps == whole.points.size());
   CHECK(inserter.result().points == whole.points);
+}
+
+TEMPLATE_TEST_CASE("a point moves only where no neighbour forbids it, a larger one far away neither", "", HashGrid,
+                   RTreeFilter) {
+  // Frames that turn and sizes that grow by a factor of forty across the box.
+  struct Turning {
+    ConstantFrames::Sample sample(const Vector3& p, index_t&) const {
+      return {Quaternion(Eigen::AngleAxisd(p.x() + p.z(), Vector3(1, 2, 3).normalized())), 1.0};
+    }
+  };
+  const auto size = [](const Vector3& p) { return 0.05 * std::pow(40, p.x() / 10); };
+  const BoxDomain domain{Quaternion::Identity(), Vector3(10, 10, 10)};
+  const Turning frames;
+  const VolumeOptions options{.link_distance = 0.3};
+  constexpr double rejection = 0.7;
+  detail::VolumeLattice<Turning, decltype(size), BoxDomain, TestType> lattice(frames, size, domain, rejection, options);
+  lattice.set_largest_size(2);
+  std::mt19937_64 engine(3);
+  const auto uniform = [&engine] { return 10 * static_cast<double>(engine() >> 11) * 0x1p-53; };
+  const auto any_point = [&uniform] {
+    const double x = uniform(), y = uniform(), z = uniform();
+    return Vector3(x, y, z);
+  };
+  for (int i = 0; i < 150; ++i) {
+    const Vector3 p = any_point();
+    lattice.store(p, lattice.probe(p, no_index), 0, 1);
+  }
+  // Some have come from elsewhere and have another size now.
+  for (index_t p = 0; p < 150; p += 3) {
+    const Vector3 to = any_point();
+    lattice.move(p, to, lattice.probe(to, no_index), 1);
+  }
+  int n_free = 0, n_forbidden_from_afar = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vector3 to = any_point();
+    const auto there = lattice.probe(to, no_index);
+    const double least = rejection * there.size;
+    bool free = true, near = false;
+    for (index_t q = 1; q < 150; ++q) {
+      const Vector3 offset = lattice.site(q).point - to;
+      const double theirs = frame_infinity_norm(lattice.site(q).frame.toRotationMatrix(), offset);
+      if (frame_infinity_norm(there.axes, offset) >= least && theirs >= rejection * lattice.site(q).size) continue;
+      free = false;
+      near = near || offset.norm() < std::sqrt(3.0) * least;
+    }
+    n_free += free;
+    n_forbidden_from_afar += !free && !near;
+    if (lattice.may_move(0, to, there) != free) FAIL_CHECK("place " << i);
+  }
+  CHECK(n_free > 100);
+  CHECK(n_forbidden_from_afar > 10);
 }

@@ -13,17 +13,19 @@ namespace framehex {
 
 /// Points to which more are added one at a time, searched by box.
 ///
-/// `insert(point, size)` numbers the points 0, 1, ...; `size` is about the distance to the neighbours to be expected
-/// and concerns speed only. `move(index, point)` puts a point elsewhere. `for_each_in_box(low, high, visit)` calls
-/// `visit(index, point)` once for every point of the closed box, in an order that depends on nothing but the insertions
-/// and moves. `F(size)` makes an empty one for spacings of about `size` and less.
+/// `insert(point, size)` numbers the points 0, 1, ...; `size` is about the distance to the neighbours to be expected.
+/// `move(index, point, size)` puts a point elsewhere. `for_each_in_box(low, high, visit)` calls `visit(index, point)`
+/// once for every point of the closed box, in an order that depends on nothing but the insertions and moves.
+/// `for_each_reaching(p, factor, visit)` does for every point q that is not farther from p than `factor` times the size
+/// of q in any coordinate; others may be among them. `F(size)` makes an empty one for spacings of about `size` and less.
 template <class F>
 concept ProximityFilter = std::constructible_from<F, double> &&
     requires(F filter, const F& constant, index_t i, const Vector3& p, double size,
              void (*visit)(index_t, const Vector3&)) {
   filter.insert(p, size);
-  filter.move(i, p);
+  filter.move(i, p, size);
   constant.for_each_in_box(p, p, visit);
+  constant.for_each_reaching(p, size, visit);
 };
 
 /// Hash grid in levels, the cells of each half as wide as those of the level above: a point lies on the level whose
@@ -43,40 +45,42 @@ public:
   explicit HashGrid(double cell) : cell_(cell), inverse_(1.0 / cell), table_(64, none) {}
 
   void insert(const Vector3& point, double size) {
-    int level = 0;
-    for (double width = 0.5 * cell_; size <= width && level < max_level; width *= 0.5) ++level;
-    entries_.push_back({point, none, level});
+    entries_.push_back({point, none, level_of(size)});
     link(static_cast<index_t>(entries_.size() - 1));
   }
 
-  void move(index_t i, const Vector3& to) {
-    const Cell before = cell_of(entries_[i].point, entries_[i].level);
-    if (cell_of(to, entries_[i].level) == before) {
-      entries_[i].point = to;
+  void move(index_t i, const Vector3& to, double size) {
+    Entry& entry = entries_[i];
+    const int level = level_of(size);
+    const Cell before = cell_of(entry.point, entry.level);
+    if (level == entry.level && cell_of(to, level) == before) {
+      entry.point = to;
       return;
     }
-    index_t* at = &make_block(block_of(before, entries_[i].level)).head[slot(before)];
+    index_t* at = &make_block(block_of(before, entry.level)).head[slot(before)];
     while (*at != i) at = &entries_[*at].next;
-    *at = entries_[i].next;
-    entries_[i].point = to;
+    *at = entry.next;
+    entry.point = to;
+    entry.level = level;
     link(i);
   }
 
   template <class Visit>
   void for_each_in_box(const Vector3& low, const Vector3& high, Visit&& visit) const {
-    const Cell first = cell_of(low, 0), last = cell_of(high, 0);
-    double n_cells = 1;
-    for (std::size_t a = 0; a < 3; ++a) n_cells *= static_cast<double>(last[a] - first[a] + 1);
-    if (n_cells > static_cast<double>(entries_.size() + 64)) {
-      for (std::size_t i = 0; i < entries_.size(); ++i)
-        if (contains(low, high, entries_[i].point)) visit(static_cast<index_t>(i), entries_[i].point);
-      return;
-    }
-    for (std::int64_t bz = first[2] >> 2; bz <= last[2] >> 2; ++bz)
-      for (std::int64_t by = first[1] >> 2; by <= last[1] >> 2; ++by)
-        for (std::int64_t bx = first[0] >> 2; bx <= last[0] >> 2; ++bx)
-          if (const Block* block = find_block(key({bx, by, bz}, 0)))
-            visit_block(*block, {bx, by, bz}, first, last, low, high, visit);
+    const Box box{low, high};
+    search([&box](int) -> const Box& { return box; }, visit);
+  }
+
+  template <class Visit>
+  void for_each_reaching(const Vector3& p, double factor, Visit&& visit) const {
+    // The points of a level are no larger than its cells are wide.
+    search(
+        [&](int level) {
+          const double width = level == 0 ? std::max(cell_, largest_) : cell_ / static_cast<double>(1 << level);
+          const Vector3 half = Vector3::Constant(factor * width);
+          return Box{p - half, p + half};
+        },
+        visit);
   }
 
   std::size_t size() const { return entries_.size(); }
@@ -86,11 +90,27 @@ private:
   static constexpr index_t none = no_index;
   static constexpr int max_level = 15;
 
+  struct Box {
+    Vector3 low, high;
+
+    bool contains(const Vector3& p) const {
+      return p.x() >= low.x() && p.x() <= high.x() && p.y() >= low.y() && p.y() <= high.y() && p.z() >= low.z() &&
+             p.z() <= high.z();
+    }
+  };
+
   struct Block {
     std::uint64_t key;
     std::uint64_t finer = 0;  // one bit a cell: points on finer levels lie in it
     std::array<index_t, 64> head;
   };
+
+  int level_of(double size) {
+    largest_ = std::max(largest_, size);
+    int level = 0;
+    for (double width = 0.5 * cell_; size <= width && level < max_level; width *= 0.5) ++level;
+    return level;
+  }
 
   /// Puts point i at the head of its cell.
   void link(index_t i) {
@@ -111,11 +131,6 @@ private:
     index_t next;  // the point below in the same cell
     int level;
   };
-
-  static bool contains(const Vector3& low, const Vector3& high, const Vector3& p) {
-    return p.x() >= low.x() && p.x() <= high.x() && p.y() >= low.y() && p.y() <= high.y() && p.z() >= low.z() &&
-           p.z() <= high.z();
-  }
 
   Cell cell_of(const Vector3& p, int level) const {
     const double scale = inverse_ * static_cast<double>(1 << level);
@@ -171,10 +186,29 @@ private:
     table_[i] = block;
   }
 
+  /// Calls `visit` for the points of each level that are in `box_at(level)`, which lies in that of the level above.
+  template <class BoxAt, class Visit>
+  void search(const BoxAt& box_at, Visit& visit) const {
+    const Box& box = box_at(0);
+    const Cell first = cell_of(box.low, 0), last = cell_of(box.high, 0);
+    double n_cells = 1;
+    for (std::size_t a = 0; a < 3; ++a) n_cells *= static_cast<double>(last[a] - first[a] + 1);
+    if (n_cells > static_cast<double>(entries_.size() + 64)) {
+      for (std::size_t i = 0; i < entries_.size(); ++i)
+        if (box_at(entries_[i].level).contains(entries_[i].point)) visit(static_cast<index_t>(i), entries_[i].point);
+      return;
+    }
+    for (std::int64_t bz = first[2] >> 2; bz <= last[2] >> 2; ++bz)
+      for (std::int64_t by = first[1] >> 2; by <= last[1] >> 2; ++by)
+        for (std::int64_t bx = first[0] >> 2; bx <= last[0] >> 2; ++bx)
+          if (const Block* block = find_block(key({bx, by, bz}, 0)))
+            visit_block(*block, {bx, by, bz}, first, last, box_at, visit);
+  }
+
   /// The coarsest cells of a block between `first` and `last`.
-  template <class Visit>
-  void visit_block(const Block& block, const Cell& at, const Cell& first, const Cell& last, const Vector3& low,
-                   const Vector3& high, Visit& visit) const {
+  template <class BoxAt, class Visit>
+  void visit_block(const Block& block, const Cell& at, const Cell& first, const Cell& last, const BoxAt& box_at,
+                   Visit& visit) const {
     Cell from, to;
     for (std::size_t a = 0; a < 3; ++a) {
       from[a] = std::max(first[a], 4 * at[a]);
@@ -182,26 +216,28 @@ private:
     }
     for (std::int64_t z = from[2]; z <= to[2]; ++z)
       for (std::int64_t y = from[1]; y <= to[1]; ++y)
-        for (std::int64_t x = from[0]; x <= to[0]; ++x) visit_cell(block, {x, y, z}, 0, low, high, visit);
+        for (std::int64_t x = from[0]; x <= to[0]; ++x) visit_cell(block, {x, y, z}, 0, box_at, visit);
   }
 
-  template <class Visit>
-  void visit_cell(const Block& block, const Cell& cell, int level, const Vector3& low, const Vector3& high,
-                  Visit& visit) const {
+  template <class BoxAt, class Visit>
+  void visit_cell(const Block& block, const Cell& cell, int level, const BoxAt& box_at, Visit& visit) const {
+    const Box& box = box_at(level);
     for (index_t i = block.head[slot(cell)]; i != none; i = entries_[i].next)
-      if (contains(low, high, entries_[i].point)) visit(i, entries_[i].point);
+      if (box.contains(entries_[i].point)) visit(i, entries_[i].point);
     if (!(block.finer & bit(cell))) return;
-    const Cell first = cell_of(low, level + 1), last = cell_of(high, level + 1);
+    const Box& below_box = box_at(level + 1);
+    const Cell first = cell_of(below_box.low, level + 1), last = cell_of(below_box.high, level + 1);
     for (std::int64_t child = 0; child < 8; ++child) {
       const Cell c{2 * cell[0] + (child & 1), 2 * cell[1] + (child >> 1 & 1), 2 * cell[2] + (child >> 2)};
       bool overlaps = true;
       for (std::size_t a = 0; a < 3; ++a) overlaps = overlaps && c[a] >= first[a] && c[a] <= last[a];
       if (!overlaps) continue;
-      if (const Block* below = find_block(block_of(c, level + 1))) visit_cell(*below, c, level + 1, low, high, visit);
+      if (const Block* below = find_block(block_of(c, level + 1))) visit_cell(*below, c, level + 1, box_at, visit);
     }
   }
 
   double cell_, inverse_;
+  double largest_ = 0;  // size
   std::vector<Entry> entries_;
   std::vector<Block> blocks_;
   std::vector<index_t> table_;  // open addressing, a power of two

@@ -15,12 +15,14 @@ class RTreeFilter {
 public:
   explicit RTreeFilter(double /*cell*/) {}
 
-  void insert(const Vector3& point, double /*size*/) {
+  void insert(const Vector3& point, double size) {
+    largest_ = std::max(largest_, size);
     tree_.insert(point, static_cast<index_t>(points_.size()));
     points_.push_back(point);
   }
 
-  void move(index_t i, const Vector3& to) {
+  void move(index_t i, const Vector3& to, double size) {
+    largest_ = std::max(largest_, size);
     tree_.remove(points_[i], i);
     tree_.insert(to, i);
     points_[i] = to;
@@ -34,7 +36,14 @@ public:
     });
   }
 
+  template <class Visit>
+  void for_each_reaching(const Vector3& p, double factor, Visit&& visit) const {
+    const Vector3 half = Vector3::Constant(factor * largest_);
+    for_each_in_box(p - half, p + half, visit);
+  }
+
 private:
+  double largest_ = 0;  // size
   PointIndex tree_;
   std::vector<Vector3> points_;
 };

@@ -59,7 +59,10 @@ public:
   SurfaceLattice& operator=(const SurfaceLattice&) = delete;
 
   /// Before the first sample: sizes are up to `largest`.
-  void set_largest_size(double largest) { proximity_ = Proximity(largest); }
+  void set_largest_size(double largest) {
+    proximity_ = Proximity(largest);
+    largest_size_ = largest;
+  }
 
   const SurfaceWalker& walker() const { return walker_; }
   const SurfaceInsertion& insertion() const { return insertion_; }
@@ -102,6 +105,7 @@ public:
     insertion_.links.push_back({no_index, no_index, no_index, no_index});
     axes_.push_back(at.axes);
     generations_.push_back(generation);
+    largest_size_ = std::max(largest_size_, at.size);
     proximity_.insert(sample.point, at.size);
     return n_samples() - 1;
   }
@@ -113,7 +117,8 @@ public:
     insertion_.sizes[p] = there.size;
     insertion_.smoothness[p] = there.smoothness;
     axes_[p] = there.axes;
-    proximity_.move(p, there.point);
+    largest_size_ = std::max(largest_size_, there.size);
+    proximity_.move(p, there.point, there.size);
   }
 
   /// The direction of sample q in which it looks back along a path that comes in direction `along`.
@@ -184,18 +189,20 @@ public:
     return insertion_.samples[q].point + 0.5 * (size + insertion_.sizes[q]) * along.normalized();
   }
 
-  /// The rule, in the cross and size of the place and in those of every sample near it.
+  /// The rule, in the cross and size of the place and in those of every sample near it, as in the volume.
   bool may_move(index_t p, const Place& there) const {
     const double least = rejection_ * there.size;
+    const Vector3 half = Vector3::Constant(std::numbers::sqrt3 * least);
     bool free = true;
-    // However two frames are turned, the infinity norm of one is at least the length over the root of 3.
-    for_each_near(proximity_, there.point, there.axes, std::numbers::sqrt3 * least,
-                  [&](index_t q, const Vector3& point, double distance) {
-                    if (!free || q == p || !counts(q, there)) return;
-                    free = distance >= least &&
-                           (is_curve_sample(q) ||
-                            frame_infinity_norm(axes_[q], point - there.point) >= rejection_ * insertion_.sizes[q]);
-                  });
+    const auto forbids = [&](index_t q, const Vector3& point) {
+      if (!free || q == p || !counts(q, there)) return;
+      const Vector3 offset = point - there.point;
+      free = frame_infinity_norm(there.axes, offset) >= least &&
+             (is_curve_sample(q) || frame_infinity_norm(axes_[q], offset) >= rejection_ * insertion_.sizes[q]);
+    };
+    proximity_.for_each_in_box(there.point - half, there.point + half, forbids);
+    if (free && largest_size_ > there.size)
+      proximity_.for_each_reaching(there.point, std::numbers::sqrt3 * rejection_, forbids);
     return free;
   }
 
@@ -220,6 +227,7 @@ private:
   SurfaceWalker walker_;
   CrossSampler cross_;
   Proximity proximity_;
+  double largest_size_ = 0;
   SurfaceInsertion insertion_;
   std::vector<Eigen::Matrix3d> axes_;
   std::vector<index_t> generations_;

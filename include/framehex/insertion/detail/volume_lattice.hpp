@@ -130,10 +130,11 @@ public:
 
   void move(index_t p, const Vector3& to, const Probe& there, double clearance) {
     sites_[p] = {to, there.size, Quaternion(there.axes)};
+    largest_size_ = std::max(largest_size_, there.size);
     insertion_.smoothness[p] = there.smoothness;
     hints_[p] = there.hint;
     clearance_[p] = clearance;
-    proximity_.move(p, to);
+    proximity_.move(p, to, there.size);
   }
 
   /// Links p along its `direction` with q, along that axis of q which points back.
@@ -196,18 +197,21 @@ public:
     return sites_[q].point + 0.5 * (size + sites_[q].size) * along;
   }
 
-  /// The rule, in the frame and size of the point and in those of every neighbour: however two frames are turned, the
-  /// infinity norm of one is at least the length over the root of 3.
+  /// The rule, in the frame and size of the point and in those of every neighbour, which may be larger and farther
+  /// away: however two frames are turned, the infinity norm of one is at least the length over the root of 3.
   bool may_move(index_t p, const Vector3& to, const Probe& there) const {
-    const double least = rejection_ * there.size, most = std::max(rejection_ * largest_size_, least);
+    const double least = rejection_ * there.size;
     const Vector3 half = Vector3::Constant(std::numbers::sqrt3 * least);
     bool free = true;
-    proximity_.for_each_in_box(to - half, to + half, [&](index_t q, const Vector3& point) {
+    const auto forbids = [&](index_t q, const Vector3& point) {
       const Vector3 offset = point - to;
-      if (!free || q == p || offset.squaredNorm() >= 3 * most * most) return;
+      const double reach = rejection_ * std::max(there.size, sites_[q].size);
+      if (!free || q == p || offset.squaredNorm() >= 3 * reach * reach) return;
       free = frame_infinity_norm(there.axes, offset) >= least &&
              frame_infinity_norm(sites_[q].frame.toRotationMatrix(), offset) >= rejection_ * sites_[q].size;
-    });
+    };
+    proximity_.for_each_in_box(to - half, to + half, forbids);
+    if (free && largest_size_ > there.size) proximity_.for_each_reaching(to, std::numbers::sqrt3 * rejection_, forbids);
     return free;
   }
 
