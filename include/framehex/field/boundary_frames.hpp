@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -127,9 +128,11 @@ public:
     else
       for (const Vector3& t : tangents_) directions_.push_back({t, 0.5});
 
+    // Starts from some crosses, evenly spaced, are enough round a vertex of many triangles.
+    const std::size_t n_starts = std::min(fan_.size(), max_starts);
     FrameFit best;
-    for (std::size_t i = 0; i < fan_.size(); ++i) {
-      const FrameFit fit = fit_frame(crosses_[fan_[i].triangle], directions_);
+    for (std::size_t i = 0; i < n_starts; ++i) {
+      const FrameFit fit = fit_frame(crosses_[fan_[i * fan_.size() / n_starts].triangle], directions_);
       if (i == 0 || fit.cost < best.cost - 1e-9) best = fit;
     }
     out.frames[v] = best.frame;
@@ -145,6 +148,8 @@ public:
   }
 
 private:
+  static constexpr std::size_t max_starts = 24;
+
   struct Corner {
     index_t triangle;
     index_t half_edge;  ///< leaves the vertex
@@ -220,32 +225,48 @@ private:
   /// Mean normals of the parts into which the feature edges cut the triangles round the vertex; of each triangle
   /// for itself where a part has no mean.
   void collect_sectors() {
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (Corner& c : fan_)
-        for (Corner& d : fan_) {
-          if (is_feature(c.half_edge) || adjacency_.opposite[c.half_edge] == no_index) continue;
-          if (adjacency_.opposite[c.half_edge] / 3 != d.triangle || c.sector == d.sector) continue;
-          c.sector = d.sector = std::min(c.sector, d.sector);
-          changed = true;
-        }
-    }
-    for (std::size_t sector = 0; sector < fan_.size(); ++sector) {
+    find_sectors();
+    by_sector_.resize(fan_.size());
+    std::iota(by_sector_.begin(), by_sector_.end(), std::size_t{0});
+    std::stable_sort(by_sector_.begin(), by_sector_.end(),
+                     [&](std::size_t c, std::size_t d) { return fan_[c].sector < fan_[d].sector; });
+    for (std::size_t begin = 0, end = 0; begin < by_sector_.size(); begin = end) {
       Vector3 sum = Vector3::Zero();
       double total = 0;
-      for (const Corner& c : fan_)
-        if (c.sector == sector) {
-          sum += c.angle * c.normal;
-          total += c.angle;
-        }
+      for (; end < by_sector_.size() && fan_[by_sector_[end]].sector == fan_[by_sector_[begin]].sector; ++end) {
+        const Corner& c = fan_[by_sector_[end]];
+        sum += c.angle * c.normal;
+        total += c.angle;
+      }
       if (total == 0) continue;
       if (sum.norm() > 0.2 * total) {
         directions_.push_back({sum.normalized(), 1});
       } else {
-        for (const Corner& c : fan_)
-          if (c.sector == sector) directions_.push_back({c.normal, c.angle / total});
+        for (std::size_t i = begin; i < end; ++i) {
+          const Corner& c = fan_[by_sector_[i]];
+          directions_.push_back({c.normal, c.angle / total});
+        }
       }
     }
+  }
+
+  /// Gives the triangles of a part the least of their places in the fan as its number.
+  void find_sectors() {
+    const auto root = [&](std::size_t c) {
+      while (fan_[c].sector != c) c = fan_[c].sector = fan_[fan_[c].sector].sector;
+      return c;
+    };
+    for (std::size_t c = 0; c < fan_.size(); ++c) {
+      const index_t h = fan_[c].half_edge;
+      if (is_feature(h) || adjacency_.opposite[h] == no_index) continue;
+      // The fan is in the order of its triangles; those without area are not in it.
+      const index_t beyond = adjacency_.opposite[h] / 3;
+      const auto d = std::ranges::lower_bound(fan_, beyond, {}, &Corner::triangle);
+      if (d == fan_.end() || d->triangle != beyond) continue;
+      const std::size_t a = root(c), b = root(static_cast<std::size_t>(d - fan_.begin()));
+      fan_[std::max(a, b)].sector = std::min(a, b);
+    }
+    for (std::size_t c = 0; c < fan_.size(); ++c) fan_[c].sector = root(c);
   }
 
   const Surface& surface_;
@@ -253,7 +274,8 @@ private:
   const FeatureGraph& features_;
   std::span<const Quaternion> crosses_;
   BoundaryFrameOptions options_;
-  std::vector<Corner> fan_;
+  std::vector<Corner> fan_;  // by triangle
+  std::vector<std::size_t> by_sector_;
   std::vector<Vector3> tangents_;
   std::vector<index_t> tangent_ends_;
   std::vector<WeightedDirection> directions_;
@@ -272,7 +294,7 @@ private:
 /// @return per vertex; a vertex without triangles has the constraint `none`.
 /// @throws invalid_field  with the triangle whose frame is not a unit quaternion, or the vertex that has only triangles
 ///                        without area; invalid_option when a count does not match.
-/// @par Complexity   O(n).
+/// @par Complexity   O(n log d) for vertices of up to d triangles.
 /// @par Source       The paper, section 3.3 (the boundary condition). Departs: features and corners, of which the paper
 ///                   does not speak.
 inline BoundaryFrames make_boundary_frames(const Surface& surface, std::span<const Quaternion> triangle_frames,

@@ -123,7 +123,7 @@ private:
 
   TetLocation nearest_on_boundary(const Vector3& p) const {
     std::size_t best = 0;
-    TrianglePoint place;
+    TrianglePoint place{Vector3::Zero(), Vector3::Zero(), 0};
     double distance = std::numeric_limits<double>::infinity();
     boundary_.nearest(p, distance, [&](index_t first, index_t count) {
       for (index_t i = first; i < first + count; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/surface/detail/segment_locator.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
@@ -22,7 +23,7 @@ public:
   /// @param edges      feature edges of the tetrahedral mesh; a vertex on two or more labels, where other than two
   ///                   edges meet, or at a corner of `surface` is a corner.
   /// @param tolerance  how far a vertex may start from the surface, in the unit of the coordinates.
-  /// @par Complexity   O(n log n); a call is O(log n) on a patch, O(length) on a curve.
+  /// @par Complexity   O(n log n); a call is O(log n).
   BoundarySlider(const Surface& surface, std::span<const Vector3> points, std::span<const LabelledEdge> edges,
                  double tolerance)
       : BoundarySlider(surface, SurfaceLocator(surface), points, edges, tolerance) {}
@@ -42,12 +43,22 @@ public:
       patch.triangles.push_back({first, first + 1, first + 2});
     }
     for (const IndexedTriangleMesh& patch : patches) d.patches.emplace_back(patch);
+    std::vector<detail::Segment> all;
+    std::vector<index_t> curve_of_segment;
     for (std::size_t c = 0; c < features.curves.size(); ++c) {
-      std::vector<Vector3>& curve = d.curves.emplace_back();
-      for (const index_t v : features.curves[c]) curve.push_back(surface.points[v]);
+      std::vector<detail::Segment> curve;
+      const auto row = features.curves[c];
+      for (std::size_t i = 0; i + 1 < row.size(); ++i) {
+        curve.push_back({surface.points[row[i]], surface.points[row[i + 1]]});
+        curve_of_segment.push_back(static_cast<index_t>(c));
+      }
+      all.insert(all.end(), curve.begin(), curve.end());
+      d.curves.emplace_back(std::move(curve));
     }
-    for (const index_t v : features.corners) d.corners.push_back(surface.points[v]);
-    classify(locator, features, points, edges);
+    std::vector<detail::Segment> corners;
+    for (const index_t v : features.corners) corners.push_back({surface.points[v], surface.points[v]});
+    classify(locator, features, points, edges, detail::SegmentLocator(std::move(all)), curve_of_segment,
+             detail::SegmentLocator(std::move(corners)));
   }
 
   /// Moves `place` to the nearest point of the patch or curve of a vertex. @return false: the vertex may not move.
@@ -55,36 +66,25 @@ public:
     const Data& d = *data_;
     if (vertex >= d.carrier.size() || d.carrier[vertex] == no_index) return false;
     const index_t id = d.carrier[vertex];
-    place = d.on_curve[vertex] ? nearest_on(d.curves[id], place) : d.patches[id].nearest(place).point;
+    if (!d.on_curve[vertex])
+      place = d.patches[id].nearest(place).point;
+    else if (const auto nearest = d.curves[id].nearest_within(place, std::numeric_limits<double>::infinity()))
+      place = nearest->point;
     return true;
   }
 
 private:
   struct Data {
     std::vector<SurfaceLocator> patches;
-    std::vector<std::vector<Vector3>> curves;
-    std::vector<Vector3> corners;
+    std::vector<detail::SegmentLocator> curves;
     std::vector<index_t> carrier;  ///< by vertex: patch or curve, `no_index`: fixed
     std::vector<std::uint8_t> on_curve;
     double tolerance = 0;
   };
 
-  static Vector3 nearest_on(const std::vector<Vector3>& curve, const Vector3& p) {
-    double least = std::numeric_limits<double>::infinity();
-    Vector3 nearest = p;
-    for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
-      const Vector3 d = curve[i + 1] - curve[i];
-      const double t = std::clamp(d.dot(p - curve[i]) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
-      const Vector3 q = curve[i] + t * d;
-      if ((q - p).squaredNorm() >= least) continue;
-      least = (q - p).squaredNorm();
-      nearest = q;
-    }
-    return nearest;
-  }
-
   void classify(const SurfaceLocator& whole, const FeatureGraph& features, std::span<const Vector3> points,
-                std::span<const LabelledEdge> edges) {
+                std::span<const LabelledEdge> edges, const detail::SegmentLocator& curves,
+                std::span<const index_t> curve_of_segment, const detail::SegmentLocator& corners) {
     Data& d = *data_;
     d.carrier.assign(points.size(), no_index);
     d.on_curve.assign(points.size(), 0);
@@ -98,33 +98,16 @@ private:
     for (index_t v = 0; v < points.size(); ++v) {
       if (is_corner[v] || (n_edges[v] != 0 && n_edges[v] != 2)) continue;
       const auto at = whole.nearest_within(points[v], d.tolerance);
-      if (!at || is_at_corner(points[v])) continue;
+      // A curve that closes at its only corner has one label on both sides of it.
+      if (!at || corners.nearest_within(points[v], d.tolerance)) continue;
       if (n_edges[v] == 2) {
-        const index_t curve = nearest_curve(points[v]);
-        d.carrier[v] = curve;
+        const auto nearest = curves.nearest_within(points[v], d.tolerance);
+        d.carrier[v] = nearest ? curve_of_segment[nearest->segment] : no_index;
         d.on_curve[v] = 1;
       } else {
         d.carrier[v] = features.triangle_patch[at->triangle];
       }
     }
-  }
-
-  /// A curve that closes at its only corner has one label on both sides of it.
-  bool is_at_corner(const Vector3& p) const {
-    return std::ranges::any_of(
-        data_->corners, [&](const Vector3& c) { return (c - p).squaredNorm() <= data_->tolerance * data_->tolerance; });
-  }
-
-  index_t nearest_curve(const Vector3& p) const {
-    index_t found = no_index;
-    double least = data_->tolerance;
-    for (index_t c = 0; c < data_->curves.size(); ++c) {
-      const double distance = (nearest_on(data_->curves[c], p) - p).norm();
-      if (distance > least) continue;
-      least = distance;
-      found = c;
-    }
-    return found;
   }
 
   std::shared_ptr<Data> data_;

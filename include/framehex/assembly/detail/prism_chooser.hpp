@@ -5,7 +5,9 @@
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/recombination/potential_prism_finder.hpp"
 
+#include <functional>
 #include <numeric>
+#include <queue>
 
 namespace framehex::detail {
 
@@ -55,25 +57,40 @@ inline PotentialPrisms find_free_prisms(const ComplexBuilder& builder, const Tet
 /// quadrilateral matched.
 /// @param max_opened  how many of the three quadrilaterals of a prism may face tetrahedra.
 inline void choose_prisms(ComplexBuilder& builder, const PotentialPrisms& prisms, int max_opened) {
-  std::vector<index_t> order(prisms.size());
+  const std::size_t n = prisms.size();
+  std::vector<index_t> order(n);
   std::iota(order.begin(), order.end(), index_t{0});
   const auto weight = [&](index_t i) { return prisms.volume[i] * static_cast<double>(prisms.quality[i]); };
   std::stable_sort(order.begin(), order.end(), [&](index_t x, index_t y) { return weight(x) > weight(y); });
-  for (int allowed = 0; allowed <= max_opened; ++allowed)
-    for (bool added = true; added;) {
-      added = false;
-      std::vector<index_t> later;
-      for (const index_t i : order) {
-        if (builder.check(CellKind::prism, prisms.vertices[i], prisms.tets[i]).reason) continue;  // it never will fit
-        if (builder.last_fit().n_opened > allowed) {
-          later.push_back(i);
-          continue;
-        }
-        builder.add(CellKind::prism, prisms.vertices[i], prisms.tets[i], i);
-        added = true;
-      }
-      order = std::move(later);
+  const Csr<index_t> ranks_at_vertex = make_csr(builder.complex.points.size(), [&](auto&& put) {
+    for (index_t rank = 0; rank < n; ++rank)
+      for (const index_t v : prisms.vertices[order[rank]]) put(v, rank);
+  });
+
+  // (round, rank): a prism is looked at again, in this round or the next, only when one that touches it has come.
+  using Turn = std::pair<std::size_t, index_t>;
+  std::priority_queue<Turn, std::vector<Turn>, std::greater<>> queue;
+  std::vector<std::uint8_t> waits(n, 0), gone(n, 0);
+  const auto look_at = [&](std::size_t round, index_t rank) {
+    if (waits[rank] || gone[rank]) return;
+    waits[rank] = 1;
+    queue.emplace(round, rank);
+  };
+  for (int allowed = 0; allowed <= max_opened; ++allowed) {
+    for (index_t rank = 0; rank < n; ++rank) look_at(0, rank);
+    while (!queue.empty()) {
+      const auto [round, rank] = queue.top();
+      queue.pop();
+      waits[rank] = 0;
+      const index_t i = order[rank];
+      gone[rank] = builder.check(CellKind::prism, prisms.vertices[i], prisms.tets[i]).reason ? 1 : 0;  // for good
+      if (gone[rank] || builder.last_fit().n_opened > allowed) continue;
+      builder.add(CellKind::prism, prisms.vertices[i], prisms.tets[i], i);
+      gone[rank] = 1;
+      for (const index_t v : prisms.vertices[i])
+        for (const index_t other : ranks_at_vertex[v]) look_at(other > rank ? round : round + 1, other);
     }
+  }
 }
 
 }  // namespace framehex::detail

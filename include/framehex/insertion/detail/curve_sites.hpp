@@ -25,21 +25,25 @@ struct Sector {
 class CurveSites {
 public:
   CurveSites(const Surface& surface, const SurfaceWalker& walker)
-      : surface_(surface), adjacency_(surface.adjacency), features_(surface.features), walker_(walker) {}
+      : surface_(surface), adjacency_(surface.adjacency), features_(surface.features), walker_(walker) {
+    for (std::size_t c = 0; c < features_.curves.size(); ++c) {
+      const auto row = features_.curves[c];
+      for (std::size_t i = 0; i < row.size(); ++i)
+        arcs_.push_back(i == 0 ? 0 : arcs_.back() + (surface.points[row[i]] - surface.points[row[i - 1]]).norm());
+    }
+  }
 
   /// All sectors round a sample, by ascending triangle.
   std::vector<Sector> sectors(const SurfaceSample& sample) const {
     if (sample.kind == SampleKind::corner) return round_vertex(features_.corners[sample.entity]);
     const std::span<const index_t> row = features_.curves[sample.entity];
-    double rest = sample.arc;
-    for (std::size_t i = 0; i + 1 < row.size(); ++i) {
-      const double length = (surface_.points[row[i + 1]] - surface_.points[row[i]]).norm();
-      const double slack = 1e-9 * length;
-      if (rest <= slack) return round_vertex(row[i]);
-      if (rest < length - slack) return beside_edge(row[i], row[i + 1]);
-      rest -= length;
-    }
-    return round_vertex(row.back());
+    const std::span<const double> arcs(arcs_.data() + features_.curves.offsets[sample.entity], row.size());
+    const auto after = std::upper_bound(arcs.begin() + 1, arcs.end() - 1, sample.arc) - arcs.begin();
+    const auto i = static_cast<std::size_t>(after) - 1;
+    const double slack = 1e-9 * (arcs[i + 1] - arcs[i]);
+    if (sample.arc - arcs[i] <= slack) return round_vertex(row[i]);
+    if (arcs[i + 1] - sample.arc <= slack) return round_vertex(row[i + 1]);
+    return beside_edge(row[i], row[i + 1]);
   }
 
 private:
@@ -75,6 +79,7 @@ private:
   const TriangleAdjacency& adjacency_;
   const FeatureGraph& features_;
   const SurfaceWalker& walker_;
+  std::vector<double> arcs_;  // at the vertices of the curves, one after the other
 };
 
 /// Calls `visit(a, b)` for each interval of the curves: two samples that follow each other.

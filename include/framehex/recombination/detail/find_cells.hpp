@@ -183,6 +183,40 @@ private:
   Candidates<Corners> result_;
 };
 
+/// Filters that wait for the next vertex to be searched: making one takes memory in proportion to the mesh.
+template <class Filter>
+class FilterPool {
+public:
+  FilterPool() = default;
+  // Filters refer to the input of their finder: a copy of it starts with none.
+  FilterPool(const FilterPool&) {}
+  FilterPool& operator=(const FilterPool&) {
+    idle_.clear();
+    return *this;
+  }
+
+  /// Calls `use` with a filter that nobody else uses.
+  template <class Use>
+  void with(const FinderInput& input, Use&& use) {
+    std::unique_ptr<Filter> filter;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        filter = std::move(idle_.back());
+        idle_.pop_back();
+      }
+    }
+    if (!filter) filter = std::make_unique<Filter>(input);
+    use(*filter);
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(filter));
+  }
+
+private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Filter>> idle_;
+};
+
 /// What the public finders have in common.
 template <int Corners, class Search>
 class PotentialCellFinder {
@@ -196,10 +230,11 @@ public:
     return BlockwiseSearch<Corners, Search>(input_).run(executor);
   }
 
-  /// The cells whose first vertex is `v`: a part of what `find` gives.
+  /// The cells whose first vertex is `v`: a part of what `find` gives. Safe from several threads at once.
+  /// @par Complexity   that of the tetrahedra round `v`; the first call (of a thread, at the same time) O(n_vertices).
   Candidates<Corners> find_at(index_t v) const {
     Candidates<Corners> found;
-    CellFilter<Corners, Search>(input_).find(v, found);
+    filters_.with(input_, [&](auto& filter) { filter.find(v, found); });
     return found;
   }
 
@@ -207,6 +242,7 @@ public:
 
 private:
   FinderInput input_;
+  mutable FilterPool<CellFilter<Corners, Search>> filters_;
 };
 
 }  // namespace framehex::detail

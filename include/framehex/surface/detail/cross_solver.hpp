@@ -6,6 +6,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <random>
+#include <span>
 #include <utility>
 
 namespace framehex::detail {
@@ -57,7 +58,11 @@ public:
   };
 
   CrossSolver(const TriangleAdjacency& adjacency, const FeatureGraph& features, const EdgeConnection& connection)
-      : adjacency_(adjacency), features_(features), connection_(connection), cross_(connection.n_edges(), Complex(1)) {
+      : adjacency_(adjacency),
+        features_(features),
+        connection_(connection),
+        cross_(connection.n_edges(), Complex(1)),
+        unknown_(connection.n_edges(), no_index) {
     constrained_patch_.assign(features.n_patches, 0);
     for (index_t h = 0; h < adjacency.opposite.size(); ++h)
       if (fixed(connection.edge_of[h])) constrained_patch_[features.triangle_patch[h / 3]] = 1;
@@ -65,7 +70,10 @@ public:
 
   /// Laplace's equation with the features' directions as boundary values.
   void solve_patches_with_features() {
-    const Unknowns unknowns = number([&](index_t patch) { return constrained_patch_[patch] != 0; });
+    std::vector<index_t> triangles;
+    for (index_t t = 0; t < adjacency_.triangles.size(); ++t)
+      if (constrained_patch_[features_.triangle_patch[t]]) triangles.push_back(t);
+    const Unknowns unknowns = number(triangles);
     if (unknowns.edges.empty()) return;
     Vector right = Vector::Zero(static_cast<Eigen::Index>(unknowns.edges.size()));
     const Matrix stiffness = assemble(unknowns, 0, &right);
@@ -75,8 +83,12 @@ public:
 
   /// The least eigenvector, or a compromise with given crosses.
   void solve_closed_patches(const std::vector<Complex>& guide, const ClosedOptions& options) {
-    for (index_t patch = 0; patch < constrained_patch_.size(); ++patch)
-      if (!constrained_patch_[patch]) solve_closed(patch, guide, options);
+    const Csr<index_t> triangles_of_patch = make_csr(constrained_patch_.size(), [&](auto&& put) {
+      for (index_t t = 0; t < adjacency_.triangles.size(); ++t)
+        if (!constrained_patch_[features_.triangle_patch[t]]) put(features_.triangle_patch[t], t);
+    });
+    for (std::size_t patch = 0; patch < constrained_patch_.size(); ++patch)
+      if (!triangles_of_patch[patch].empty()) solve_closed(triangles_of_patch[patch], guide, options);
   }
 
   /// Angle of the cross in each triangle: that of the mean of its three numbers, which is the value at the centroid.
@@ -96,9 +108,8 @@ private:
   using Factor = Eigen::SimplicialLDLT<Matrix>;
 
   struct Unknowns {
-    std::vector<index_t> edges;      ///< unknown -> edge
-    std::vector<index_t> unknown;    ///< edge -> unknown, or `no_index`
-    std::vector<index_t> triangles;  ///< that take part
+    std::span<const index_t> triangles;  ///< that take part
+    std::vector<index_t> edges;          ///< unknown -> edge
   };
 
   bool fixed(index_t edge) const {
@@ -106,20 +117,16 @@ private:
     return features_.is_feature[h] || adjacency_.opposite[h] == no_index;
   }
 
-  template <class Wanted>
-  Unknowns number(Wanted&& wanted) const {
-    Unknowns u;
-    u.unknown.assign(connection_.n_edges(), no_index);
-    for (index_t t = 0; t < adjacency_.triangles.size(); ++t) {
-      if (!wanted(features_.triangle_patch[t])) continue;
-      u.triangles.push_back(t);
+  /// Numbers the free edges of some triangles, until `store`.
+  Unknowns number(std::span<const index_t> triangles) {
+    Unknowns u{triangles, {}};
+    for (const index_t t : triangles)
       for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
         const index_t e = connection_.edge_of[h];
-        if (u.unknown[e] != no_index || fixed(e)) continue;
-        u.unknown[e] = static_cast<index_t>(u.edges.size());
+        if (unknown_[e] != no_index || fixed(e)) continue;
+        unknown_[e] = static_cast<index_t>(u.edges.size());
         u.edges.push_back(e);
       }
-    }
     return u;
   }
 
@@ -128,7 +135,7 @@ private:
     std::vector<Eigen::Triplet<Complex>> entries;
     entries.reserve(9 * u.triangles.size());
     const auto add = [&](index_t e, index_t f, const Complex& value) {
-      const index_t i = u.unknown[e], j = u.unknown[f];
+      const index_t i = unknown_[e], j = unknown_[f];
       if (i == no_index) return;
       if (j != no_index)
         entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
@@ -158,12 +165,13 @@ private:
     Eigen::VectorXd m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(u.edges.size()));
     for (const index_t t : u.triangles)
       for (index_t h = 3 * t; h < 3 * t + 3; ++h)
-        m[static_cast<Eigen::Index>(u.unknown[connection_.edge_of[h]])] += connection_.area[t] / 3;
+        m[static_cast<Eigen::Index>(unknown_[connection_.edge_of[h]])] += connection_.area[t] / 3;
     return m;
   }
 
-  void solve_closed(index_t patch, const std::vector<Complex>& guide, const ClosedOptions& options) {
-    const Unknowns u = number([&](index_t p) { return p == patch; });
+  void solve_closed(std::span<const index_t> triangles, const std::vector<Complex>& guide,
+                    const ClosedOptions& options) {
+    const Unknowns u = number(triangles);
     const auto n = static_cast<Eigen::Index>(u.edges.size());
     if (n == 0) return;
     const Eigen::VectorXd m = mass(u);
@@ -225,13 +233,17 @@ private:
   }
 
   void store(const Unknowns& u, const Vector& x) {
-    for (std::size_t i = 0; i < u.edges.size(); ++i) cross_[u.edges[i]] = x[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < u.edges.size(); ++i) {
+      cross_[u.edges[i]] = x[static_cast<Eigen::Index>(i)];
+      unknown_[u.edges[i]] = no_index;
+    }
   }
 
   const TriangleAdjacency& adjacency_;
   const FeatureGraph& features_;
   const EdgeConnection& connection_;
-  std::vector<Complex> cross_;  ///< edge
+  std::vector<Complex> cross_;    ///< edge
+  std::vector<index_t> unknown_;  ///< edge -> unknown of the patches in work, or `no_index`
   std::vector<char> constrained_patch_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <unordered_map>
 
 namespace framehex::detail {
 
@@ -90,6 +91,7 @@ public:
       flipper_.run(DelaunayFlipper::Scope::within_patches);
       crossing = crossing_triangles();
     }
+    merge_added();
     return n_pairs_;
   }
 
@@ -172,31 +174,62 @@ private:
     flipper_.push_star(v);
   }
 
+  /// A piece of a curve between two vertices, with the arc lengths at the smaller and the larger one.
+  struct Piece {
+    std::size_t curve;
+    double arc_at_smaller, arc_at_larger;
+  };
+
+  void add_piece(std::size_t curve, const CurveChains::Link& from, const CurveChains::Link& to) {
+    const bool rises = from.vertex < to.vertex;
+    pieces_.try_emplace(edge_key(from.vertex, to.vertex),
+                        Piece{curve, rises ? from.arc : to.arc, rises ? to.arc : from.arc});
+  }
+
+  void find_pieces() {
+    added_.resize(chains_.size());
+    for (std::size_t c = 0; c < chains_.size(); ++c)
+      for (std::size_t i = 0; i + 1 < chains_.row(c).size(); ++i)
+        add_piece(c, chains_.row(c)[i], chains_.row(c)[i + 1]);
+  }
+
   void split_on_curve(index_t h) {
     const index_t a = surface_.name[surface_.from(h)], b = surface_.name[surface_.to(h)], g = surface_.opposite[h];
-    for (std::size_t c = 0; c < chains_.size(); ++c) {
-      auto& row = chains_.row(c);
-      for (std::size_t i = 0; i + 1 < row.size(); ++i) {
-        const bool forth = row[i].vertex == a && row[i + 1].vertex == b;
-        if (!forth && !(row[i].vertex == b && row[i + 1].vertex == a)) continue;
-        const double arc = std::fmod((row[i].arc + row[i + 1].arc) / 2, chains_.length(c));
-        const Vector3 point = chains_.point(c, arc);
-        const auto sector = [&](index_t side) {
-          return normals_.add(surface_, Vector3(normals_.at(side) + normals_.at(EditableSurface::next(side))));
-        };
-        const std::vector<index_t> others = surface_.other_sides(h);
-        const index_t left = sector(h), right = g == no_index ? left : sector(g);
-        const index_t v = surface_.add_vertex(point);
-        surface_.split_edge(h, v, left, right);
-        for (const index_t o : others) {
-          const index_t there = sector(o);
-          surface_.split_edge(o, surface_.add_copy(v), there, there);
-        }
-        row.insert(row.begin() + static_cast<std::ptrdiff_t>(i) + 1, {v, (row[i].arc + row[i + 1].arc) / 2});
-        flipper_.push_star(v);
-        return;
-      }
+    const auto found = pieces_.find(edge_key(a, b));
+    if (found == pieces_.end()) return;
+    const auto [curve, arc_at_smaller, arc_at_larger] = found->second;
+    const double arc = (arc_at_smaller + arc_at_larger) / 2;
+    const auto sector = [&](index_t side) {
+      return normals_.add(surface_, Vector3(normals_.at(side) + normals_.at(EditableSurface::next(side))));
+    };
+    const std::vector<index_t> others = surface_.other_sides(h);
+    const index_t left = sector(h), right = g == no_index ? left : sector(g);
+    const index_t v = surface_.add_vertex(chains_.point(curve, std::fmod(arc, chains_.length(curve))));
+    surface_.split_edge(h, v, left, right);
+    for (const index_t o : others) {
+      const index_t there = sector(o);
+      surface_.split_edge(o, surface_.add_copy(v), there, there);
     }
+    pieces_.erase(found);
+    add_piece(curve, {std::min(a, b), arc_at_smaller}, {v, arc});
+    add_piece(curve, {v, arc}, {std::max(a, b), arc_at_larger});
+    added_[curve].push_back({v, arc});
+    flipper_.push_star(v);
+  }
+
+  /// Puts what was added to the curves in its place.
+  void merge_added() {
+    const auto by_arc = [](const CurveChains::Link& x, const CurveChains::Link& y) { return x.arc < y.arc; };
+    for (std::size_t c = 0; c < added_.size(); ++c) {
+      if (added_[c].empty()) continue;
+      auto& row = chains_.row(c);
+      std::sort(added_[c].begin(), added_[c].end(), by_arc);
+      const auto n = static_cast<std::ptrdiff_t>(row.size());
+      row.insert(row.end(), added_[c].begin(), added_[c].end());
+      std::inplace_merge(row.begin(), row.begin() + n, row.end(), by_arc);
+    }
+    added_.clear();
+    pieces_.clear();
   }
 
   EditableSurface& surface_;
@@ -205,6 +238,8 @@ private:
   DelaunayFlipper& flipper_;
   BoxTree tree_;
   std::size_t n_pairs_ = 0;
+  std::unordered_map<std::uint64_t, Piece> pieces_;    // by edge; looked up only, never walked over
+  std::vector<std::vector<CurveChains::Link>> added_;  // by curve
 };
 
 }  // namespace framehex::detail
