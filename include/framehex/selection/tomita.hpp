@@ -172,9 +172,10 @@ inline Selection select_by_branch_and_bound(const IncompatibilityGraph& graph, c
   std::int64_t bound = detail::weight_in_units(graph, reduction.taken);
   detail::BitsetSearch search;
   const auto parts = detail::components(graph, reduction.kept);
+  std::vector<index_t> number(graph.size(), no_index);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto ids = parts[i];
-    const IncompatibilityGraph part = detail::induced_subgraph(graph, ids);
+    const IncompatibilityGraph part = detail::induced_subgraph(graph, ids, std::span<index_t>(number));
     std::vector<index_t> members = select_dynamically(part);
     const std::int64_t known = detail::weight_in_units(part, members);
     std::int64_t part_bound = partition_bound(part);

@@ -16,10 +16,11 @@ QuantisedWeights weights_of(const G& graph, std::span<const index_t> kept) {
 
 /// The graph on some candidates, renumbered in their order; the same unit.
 ///
-/// @param kept  ascending.
-template <ConflictSource G, Executor E = SerialExecutor>
-IncompatibilityGraph induced_subgraph(const G& graph, std::span<const index_t> kept, const E& = {}) {
-  std::vector<index_t> number(graph.size(), no_index);
+/// @param kept    ascending.
+/// @param number  scratch, `no_index` for every candidate of `graph`, and so again afterwards: with it the work is that of
+///                the rows of `kept`, however large the graph.
+template <ConflictSource G>
+IncompatibilityGraph induced_subgraph(const G& graph, std::span<const index_t> kept, std::span<index_t> number) {
   for (std::size_t i = 0; i < kept.size(); ++i) number[kept[i]] = static_cast<index_t>(i);
   Csr<index_t> rows;
   rows.offsets.reserve(kept.size() + 1);
@@ -31,7 +32,14 @@ IncompatibilityGraph induced_subgraph(const G& graph, std::span<const index_t> k
     std::sort(rows.values.begin() + static_cast<std::ptrdiff_t>(first), rows.values.end());
     rows.end_row();
   }
+  for (const index_t v : kept) number[v] = no_index;
   return GraphAccess::unchecked(std::move(rows), weights_of(graph, kept));
+}
+
+template <ConflictSource G, Executor E = SerialExecutor>
+IncompatibilityGraph induced_subgraph(const G& graph, std::span<const index_t> kept, const E& = {}) {
+  std::vector<index_t> number(graph.size(), no_index);
+  return induced_subgraph(graph, kept, std::span<index_t>(number));
 }
 
 /// The same, from the keys of these candidates alone.
