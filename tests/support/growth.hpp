@@ -7,7 +7,6 @@
 #include "framehex/selection/tomita.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/retriangulation.hpp"
 #include "support/kuhn_lattice.hpp"
 #include "support/surface_samples.hpp"
@@ -25,18 +24,17 @@ namespace framehex::test {
 /// A box n segments long: four long curves.
 struct SlidingOnLongCurves {
   static constexpr int typical = 2000;
-  IndexedTriangleMesh surface;
-  FeatureGraph features;
+  Surface surface;
   std::vector<LabelledEdge> edges;
 
   explicit SlidingOnLongCurves(int n) : surface(box_surface({1.0 * n, 1, 1}, n, 1, 1)) {
-    features = detect_features(surface, make_adjacency(surface));
+    const FeatureGraph& features = surface.features;
     for (std::size_t c = 0; c < features.curves.size(); ++c)
       for (std::size_t i = 0; i + 1 < features.curves[c].size(); ++i)
         edges.push_back({{features.curves[c][i], features.curves[c][i + 1]}, static_cast<index_t>(c)});
   }
   std::size_t run() const {
-    const BoundarySlider slider(surface, features, surface.points, edges, 1e-6);
+    const BoundarySlider slider(surface, surface.points, edges, 1e-6);
     std::size_t n_moved = 0;
     for (index_t v = 0; v < surface.points.size(); ++v) {
       Vector3 place = surface.points[v] + Vector3::Constant(0.01);
@@ -49,31 +47,29 @@ struct SlidingOnLongCurves {
 /// A sharp double cone of n facets each, in no order.
 struct FramesOfNeedle {
   static constexpr int typical = 250;
-  IndexedTriangleMesh surface;
-  TriangleAdjacency adjacency;
-  FeatureGraph features;
+  Surface surface;
   std::vector<Quaternion> crosses;
 
-  explicit FramesOfNeedle(int n) {
+  explicit FramesOfNeedle(int n) : surface(needle(n)), crosses(compute_cross_field(surface).frames) {}
+  static IndexedTriangleMesh needle(int n) {
+    IndexedTriangleMesh mesh;
     const auto m = static_cast<index_t>(n);
     for (index_t i = 0; i < m; ++i) {
       const double a = 2 * std::numbers::pi * i / m;
-      surface.points.emplace_back(0.1 * std::cos(a), 0.1 * std::sin(a), 0);
+      mesh.points.emplace_back(0.1 * std::cos(a), 0.1 * std::sin(a), 0);
     }
-    surface.points.emplace_back(0, 0, 3);
-    surface.points.emplace_back(0, 0, -3);
+    mesh.points.emplace_back(0, 0, 3);
+    mesh.points.emplace_back(0, 0, -3);
     for (index_t i = 0; i < m; ++i) {
-      surface.triangles.push_back({i, (i + 1) % m, m});
-      surface.triangles.push_back({(i + 1) % m, i, m + 1});
+      mesh.triangles.push_back({i, (i + 1) % m, m});
+      mesh.triangles.push_back({(i + 1) % m, i, m + 1});
     }
     std::mt19937 engine(1);
-    for (std::size_t i = surface.triangles.size(); i > 1; --i)
-      std::swap(surface.triangles[i - 1], surface.triangles[engine() % i]);
-    adjacency = make_adjacency(surface);
-    features = detect_features(surface, adjacency);
-    crosses = compute_cross_field(surface, adjacency, features).frames;
+    for (std::size_t i = mesh.triangles.size(); i > 1; --i)
+      std::swap(mesh.triangles[i - 1], mesh.triangles[engine() % i]);
+    return mesh;
   }
-  std::size_t run() const { return make_boundary_frames(surface, adjacency, features, crosses).frames.size(); }
+  std::size_t run() const { return make_boundary_frames(surface, crosses).frames.size(); }
 };
 
 /// n cycles of five candidates: components that need the search.
@@ -94,43 +90,42 @@ struct SelectionOfCycles {
 /// n closed surfaces without features, which have a field each.
 struct FieldOfManyParts {
   static constexpr int typical = 1500;
-  IndexedTriangleMesh surface;
-  TriangleAdjacency adjacency;
-  FeatureGraph features;
+  Surface surface;
 
-  explicit FieldOfManyParts(int n) {
+  explicit FieldOfManyParts(int n) : surface(octahedra(n), {.angle = 3.1, .corner_angle = 3.1}) {}
+  static IndexedTriangleMesh octahedra(int n) {
+    IndexedTriangleMesh mesh;
     for (int part = 0; part < n; ++part) {
-      const auto first = static_cast<index_t>(surface.points.size());
+      const auto first = static_cast<index_t>(mesh.points.size());
       const Vector3 centre(3 * part, 0, 0);
       for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {-1.0, 1.0}) surface.points.push_back(centre + side * Vector3::Unit(axis));
+        for (const double side : {-1.0, 1.0}) mesh.points.push_back(centre + side * Vector3::Unit(axis));
       for (index_t octant = 0; octant < 8; ++octant) {
         std::array<index_t, 3> t{first + (octant & 1), first + 2 + (octant >> 1 & 1), first + 4 + (octant >> 2)};
         if (std::popcount(octant) % 2 == 0) std::swap(t[1], t[2]);
-        surface.triangles.push_back(t);
+        mesh.triangles.push_back(t);
       }
     }
-    adjacency = make_adjacency(surface);
-    features = detect_features(surface, adjacency, {.angle = 3.1, .corner_angle = 3.1});
+    return mesh;
   }
-  std::size_t run() const { return compute_cross_field(surface, adjacency, features).frames.size(); }
+  std::size_t run() const { return compute_cross_field(surface).frames.size(); }
 };
 
 /// Samples all along curves of n segments.
 struct SitesOnLongCurves {
   static constexpr int typical = 2000;
   SlidingOnLongCurves box;
-  TriangleAdjacency adjacency;
   std::vector<SurfaceSample> samples;
 
-  explicit SitesOnLongCurves(int n) : box(n), adjacency(make_adjacency(box.surface)) {
-    for (index_t c = 0; c < box.features.curves.size(); ++c)
-      for (std::size_t i = 0; i + 1 < box.features.curves[c].size(); ++i)
+  explicit SitesOnLongCurves(int n) : box(n) {
+    const FeatureGraph& features = box.surface.features;
+    for (index_t c = 0; c < features.curves.size(); ++c)
+      for (std::size_t i = 0; i + 1 < features.curves[c].size(); ++i)
         samples.push_back({Vector3::Zero(), SampleKind::curve, c, static_cast<double>(i) + 0.5});
   }
   std::size_t run() const {
-    const SurfaceWalker walker(box.surface, adjacency, box.features.is_feature);
-    const detail::CurveSites sites(box.surface, adjacency, box.features, walker);
+    const SurfaceWalker walker(box.surface);
+    const detail::CurveSites sites(box.surface, walker);
     std::size_t n_sectors = 0;
     for (const SurfaceSample& sample : samples) n_sectors += sites.sectors(sample).size();
     return n_sectors;
@@ -160,18 +155,17 @@ struct SearchAtVertices {
 /// A thin wavy strip, whose top and bottom cross wherever samples stand too far apart: cut at its long curves.
 struct RepairOfThinStrip {
   static constexpr int typical = 16;
-  IndexedTriangleMesh surface;
-  FeatureGraph features;
+  Surface surface;
   std::vector<SurfaceSample> samples;
 
-  explicit RepairOfThinStrip(int n) : surface(box_surface({1.0 * n, 1, 0.02}, 8 * n, 4, 1)) {
-    for (Vector3& p : surface.points) p.z() += 0.3 * std::sin(3 * p.x() + (p.z() > 0.01 ? 0.05 : 0.0));
-    features = detect_features(surface, make_adjacency(surface), {.angle = 1.2});
-    samples = scatter_samples(surface, features, 0.45);
+  explicit RepairOfThinStrip(int n) : surface(strip(n), {.angle = 1.2}), samples(scatter_samples(surface, 0.45)) {}
+  static IndexedTriangleMesh strip(int n) {
+    IndexedTriangleMesh mesh = box_surface({1.0 * n, 1, 0.02}, 8 * n, 4, 1);
+    for (Vector3& p : mesh.points) p.z() += 0.3 * std::sin(3 * p.x() + (p.z() > 0.01 ? 0.05 : 0.0));
+    return mesh;
   }
   std::size_t run() const {
-    return retriangulate(surface, features, samples, {.max_deviation = std::numeric_limits<double>::infinity()})
-        .n_added;
+    return retriangulate(surface, samples, {.max_deviation = std::numeric_limits<double>::infinity()}).n_added;
   }
 };
 
