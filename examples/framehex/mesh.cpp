@@ -70,7 +70,9 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   framehex::MeshingOptions meshing;
   meshing.features = feature_options(options);
   meshing.field.method = field_method(options);
-  meshing.order = options.order == "fifo" ? framehex::PointOrder::fifo : framehex::PointOrder::smoothness;
+  meshing.order = options.order == "fifo"      ? framehex::PointOrder::fifo
+                  : options.order == "lattice" ? framehex::PointOrder::lattice
+                                               : framehex::PointOrder::smoothness;
   meshing.recombination = recombine_options(options, {});
   meshing.observer = observer;
   const framehex::MeshingResult result =
@@ -89,6 +91,7 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                    {"fraction_smooth", s.fraction_smooth},
                    {"dirichlet_energy", s.dirichlet_energy},
                    {"singular_edges", s.n_singular_edges}};
+  if (options.order == "lattice") json["lattice"] = {{"volume", s.lattice_volume}};
   json["points"] = {{"surface", s.n_surface_points},
                     {"volume", s.n_volume_points},
                     {"unremoved", s.n_unremoved_vertices},

@@ -103,8 +103,9 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->type_name("N")
       ->excludes(size);
   add_field(mesh, options);
-  mesh.add_option("--order", options.order, "Order of insertion: first in first out, or smoothest field first")
-      ->check(CLI::IsMember({"fifo", "smoothness"}))
+  mesh.add_option("--order", options.order,
+                  "Placement of points: by fronts, first in first out or smoothest field first, or as one lattice")
+      ->check(CLI::IsMember({"fifo", "smoothness", "lattice"}))
       ->capture_default_str();
   add_recombination(mesh, options);
   add_run(mesh, options);

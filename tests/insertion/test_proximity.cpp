@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/insertion/proximity.hpp"
+#include "framehex/geometry/proximity.hpp"
 #include "framehex/insertion/rtree_filter.hpp"
 
 #include <catch2/catch.hpp>

@@ -120,6 +120,35 @@ inline IndexedTriangleMesh cylinder_surface(double radius, double height, int n)
   return extruded_polygon(polygon, height);
 }
 
+/// Tube about z with n flat facets on either side.
+inline IndexedTriangleMesh tube_surface(double inner, double outer, double height, int n) {
+  IndexedTriangleMesh mesh;
+  for (const double z : {0.0, height})
+    for (const double r : {outer, inner})
+      for (int i = 0; i < n; ++i) {
+        const double angle = 2 * std::numbers::pi * i / n;
+        mesh.points.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+      }
+  const auto at = [&](int lid, int wall, int i) { return static_cast<index_t>((2 * lid + wall) * n + i % n); };
+  const auto add = [&](index_t a, index_t b, index_t c, index_t d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < n; ++i) {
+    add(at(0, 0, i), at(0, 0, i + 1), at(1, 0, i + 1), at(1, 0, i));
+    add(at(0, 1, i + 1), at(0, 1, i), at(1, 1, i), at(1, 1, i + 1));
+    add(at(1, 0, i), at(1, 0, i + 1), at(1, 1, i + 1), at(1, 1, i));
+    add(at(0, 0, i + 1), at(0, 0, i), at(0, 1, i), at(0, 1, i + 1));
+  }
+  return mesh;
+}
+
+/// Regular tetrahedron about the origin, its edges as long as `side`.
+inline IndexedTriangleMesh tetrahedron_surface(double side) {
+  const double s = side / std::sqrt(8.0);
+  return {{{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
+}
+
 /// L of arms 2 and width 1, extruded by 1; its lids are fans about the inner corner.
 inline IndexedTriangleMesh l_shape_surface() {
   return extruded_polygon({{1, 1}, {1, 2}, {0, 2}, {0, 0}, {2, 0}, {2, 1}}, 1.0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/insertion/estimate.hpp"
+#include "framehex/lattice/lattice_points.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
@@ -146,6 +147,8 @@ private:
 ///
 /// @param surface  coordinates in the host's unit.
 /// @param size     wished distance between neighbours at a point, host's unit.
+/// @param lattice  when given: curves that it can use, with intervals enough, get its points in place of equal
+///                 intervals.
 /// @return corners and samples; those of a curve lie on its segments, exactly where these are straight.
 /// @throws invalid_field   when the size at a point is not positive and finite.
 /// @throws invalid_option  with the estimate when more than `max_points` would result.
@@ -153,10 +156,16 @@ private:
 /// @par Source       Remacle et al., Int. J. Numer. Meth. Engng 94 (2013) 494-512, section 4. Departs: parity, least
 /// counts.
 template <SizeField Size>
-CurveInsertion insert_curve_points(const Surface& surface, const Size& size, const CurveOptions& options = {}) {
+CurveInsertion insert_curve_points(const Surface& surface, const Size& size, const CurveOptions& options = {},
+                                   const CurveLattice* lattice = nullptr) {
   const FeatureGraph& features = surface.features;
   if (options.closed_multiple == 0) throw invalid_option("closed_multiple must be at least 1");
   detail::check_factor("max_turn", options.max_turn, 1e-3, 1e3);
+  if (lattice) {
+    detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
+    detail::one_each(std::span(lattice->arcs.offsets), features.curves.size() + 1, "ends of the lattice's rows",
+                     "curves and their end");
+  }
   const auto is_corner = [&](index_t v) {
     return std::binary_search(features.corners.begin(), features.corners.end(), v);
   };
@@ -183,12 +192,17 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
     floors.push_back(std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6)));
   }
   total = n_corners;
+  std::vector<std::uint8_t> by_lattice(features.curves.size(), 0);
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
     const std::span<const index_t> row = features.curves[c];
     const bool closed = is_closed(row);
     const double multiple = closed ? static_cast<double>(options.closed_multiple) : 1.0;
     const double fewest = std::ceil(std::max(closed ? 4.0 : 1.0, floors[c]) / multiple);
-    const double n = multiple * std::max(std::round(lengths[c] / multiple), fewest);
+    double n = multiple * std::max(std::round(lengths[c] / multiple), fewest);
+    if (lattice && lattice->is_usable[c]) {
+      const double given = static_cast<double>(lattice->arcs[c].size()) + (closed ? 0.0 : 1.0);
+      if (given >= std::max(closed ? 4.0 : 1.0, floors[c])) n = given, by_lattice[c] = 1;
+    }
     total += n;
     detail::check_estimate("curves", total, options.max_points);
     result.n_intervals.push_back(static_cast<index_t>(n));
@@ -201,10 +215,14 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
     const std::span<const index_t> row = features.curves[c];
     const index_t n = result.n_intervals[c];
     detail::CurveWalker walker(surface.points, row);
-    for (index_t k = is_closed(row) ? 0 : 1; k < n; ++k) {
-      const double arc = measured[c].arc_at(measured[c].length() * (static_cast<double>(k) / n));
+    const auto add = [&](double arc) {
       result.samples.push_back({walker.at(arc), SampleKind::curve, static_cast<index_t>(c), arc});
-    }
+    };
+    if (by_lattice[c])
+      for (const double arc : lattice->arcs[c]) add(arc);
+    else
+      for (index_t k = is_closed(row) ? 0 : 1; k < n; ++k)
+        add(measured[c].arc_at(measured[c].length() * (static_cast<double>(k) / n)));
   }
   result.first_of_curve.push_back(static_cast<index_t>(result.samples.size()));
   return result;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/geometry/spatial_index.hpp"
-#include "framehex/insertion/proximity.hpp"
+#include "framehex/geometry/proximity.hpp"
 
 #include <vector>
 

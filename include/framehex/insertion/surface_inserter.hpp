@@ -48,12 +48,31 @@ public:
         queue_(std::move(order)),
         lattice_(surface, frames, smoothness, size, *options_.rejection, options_) {
     check_curves(surface, curves);
+    if (!options_.complete.empty())
+      detail::one_each(options_.complete, surface.triangles().size(), "marks of completeness", "triangles");
     estimate(surface, size);
     add_curve_samples(surface, curves);
     add_patch_seeds(surface);
   }
   SurfaceInserter(const Surface&&, std::span<const Quaternion>, std::span<const double>, const CurveInsertion&,
                   const Size&, SurfaceOptions = {}, Order = Order{}) = delete;
+
+  /// Adds a sample of a patch that is known already, with links to those before it that lie where its cross expects
+  /// neighbours. It proposes neighbours when its turn comes.
+  ///
+  /// @param point  in triangle `triangle`.
+  /// @return false, and nothing is added, within half a size of another sample or near a feature curve.
+  bool add_sample(index_t triangle, const Vector3& point) {
+    const Place at = lattice_.place(triangle, point);
+    const auto [near, distance] = lattice_.nearest_within_rejection(at);
+    if ((near != no_index && distance < std::min(0.5, *options_.rejection) * at.size) || !lattice_.clear_of_curves(at))
+      return false;
+    const Parents parents = lattice_.find_parents(at);
+    const index_t index = lattice_.store({point, SampleKind::surface, triangle, 0.0}, at, 0);
+    connect_parents(index, at, parents, no_index);
+    push(index);
+    return true;
+  }
 
   /// Lets the next sample of the queue propose its neighbours. @return false when there was none.
   bool step() {
@@ -200,17 +219,26 @@ private:
       ++statistics.too_near_curve;
       return;
     }
+    if (!options_.complete.empty() && options_.complete[at.triangle]) {
+      ++statistics.complete;
+      return;
+    }
     const Parents parents = lattice_.find_parents(at);
     if (options_.averaging == ParentAveraging::parents) average(p, parents, at);
     const index_t index =
         lattice_.store({at.point, SampleKind::surface, at.triangle, 0.0}, at, lattice_.generation(p) + 1);
     lattice_.connect(p, direction, index, nearest_direction(at.axes, -end.direction));
+    connect_parents(index, at, parents, p);
+    push(index);
+  }
+
+  /// @param not_this  linked already.
+  void connect_parents(index_t index, const Place& at, const Parents& parents, index_t not_this) {
     for (std::size_t d = 0; d < 4; ++d) {
       const index_t q = parents[d].sample;
-      if (q != no_index && q != p)
+      if (q != no_index && q != not_this)
         lattice_.connect(index, d, q, lattice_.back_direction(q, lattice_direction(at.axes, d)));
     }
-    push(index);
   }
 
   /// Angle from a direction to the nearest one of a cross.

@@ -4,6 +4,8 @@
 #include "framehex/insertion/volume_insertion.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
+#include <span>
+
 namespace framehex {
 
 struct SurfaceOptions {
@@ -17,6 +19,8 @@ struct SurfaceOptions {
   index_t rounds = 3;  ///< how often the samples are relaxed and then propose again
   index_t sweeps =
       5;  ///< of a relaxation: each moves every sample towards the mean of what its lattice neighbours predict
+  /// Per triangle, or empty: 1 where the samples added are all that is wanted, and proposals are dropped.
+  std::span<const std::uint8_t> complete = {};
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
 };
@@ -26,6 +30,7 @@ struct SurfaceStatistics {
   std::size_t linked = 0;          ///< were a sample already
   std::size_t too_near_point = 0;  ///< rejected, and not linked
   std::size_t too_near_curve = 0;  ///< beyond a feature curve, or too near to one
+  std::size_t complete = 0;        ///< where no more samples are wanted
   std::size_t seeds = 0;           ///< samples put on patches without a curve
 };
 

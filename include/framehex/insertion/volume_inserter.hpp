@@ -41,12 +41,33 @@ public:
                  VolumeOptions options = {}, Order order = Order{})
       : options_(checked(std::move(options))),
         queue_(std::move(order)),
+        domain_(domain),
         lattice_(frames, size, domain, *options_.rejection, options_) {
     check_finite(seeds);
     estimate(seeds, size, domain);
     lattice_.insertion().n_seeds = seeds.size();
     for (const BoundarySeed& seed : seeds) add_seed(seed);
     for (index_t i = 0; i < seeds.size(); ++i) queue_.push(i, lattice_.insertion().smoothness[i], 0);
+  }
+
+  /// Adds a point inside that is known already, with links to those before it that lie where the frame expects
+  /// neighbours. It stays where it is, and proposes neighbours when its turn comes.
+  ///
+  /// To be called before the first step.
+  /// @return false, and nothing is added, within half a size of another point or 0.4 of the boundary.
+  bool add_point(const Vector3& point) {
+    const Probe at = lattice_.probe(point, n_given_ > 0 ? lattice_.hint(lattice_.n_points() - 1) : no_index);
+    const auto [near, distance] = lattice_.nearest_within_rejection(point, at);
+    if (near != no_index && distance < std::min(0.5, *options_.rejection) * at.size) return false;
+    const double clearance = domain_.clearance(point, at.size);
+    if (clearance < std::min(0.4, options_.boundary_distance) * at.size) return false;
+    const Parents parents = lattice_.find_parents(point, at);
+    const index_t index = lattice_.store(point, at, 0, clearance);
+    for (std::size_t d = 0; d < 6; ++d)
+      if (parents[d].point != no_index) lattice_.connect(index, d, parents[d].point, lattice_direction(at.axes, d));
+    queue_.push(index, at.smoothness, 0);
+    ++n_given_;
+    return true;
   }
 
   /// Lets the next point of the queue propose its neighbours. @return false when there was none.
@@ -61,7 +82,7 @@ public:
   /// Runs to the end, or until the observer or `max_points` stops it.
   VolumeInsertion finish() {
     VolumeInsertion& now = lattice_.insertion();
-    detail::VolumeRelaxation relaxation(lattice_, now.n_seeds, *options_.least_move);
+    detail::VolumeRelaxation relaxation(lattice_, now.n_seeds + n_given_, *options_.least_move);
     now.status = detail::run_front(
         {"volume insertion", options_.observer, options_.rounds, options_.sweeps, options_.max_points,
          estimate_ + static_cast<double>(now.n_seeds) + 1},
@@ -165,6 +186,10 @@ private:
       ++statistics.too_near_boundary;
       return;
     }
+    if (options_.wanted && !options_.wanted(candidate)) {
+      ++statistics.unwanted;
+      return;
+    }
     if (options_.averaging == ParentAveraging::parents) average(p, parents, candidate, at, clearance);
 
     const index_t generation = lattice_.insertion().generations[p] + 1;
@@ -199,8 +224,10 @@ private:
 
   VolumeOptions options_;
   Order queue_;
+  const D& domain_;
   double estimate_ = 0;
   Lattice lattice_;
+  std::size_t n_given_ = 0;            // by add_point
   std::vector<std::uint8_t> outward_;  // of a seed: the direction that leaves the domain
 };
 

@@ -6,6 +6,7 @@
 #include "framehex/surface/surface_locator.hpp"
 
 #include <concepts>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -62,6 +63,8 @@ struct VolumeOptions {
   /// Of a sweep, in sizes, 1e-9 to 1: a point off by less stays; most of the cost of a relaxation. Empty: the order's
   /// own.
   std::optional<double> least_move = std::nullopt;
+  /// Asked of places where a point may stand: false where those added are all that is wanted. Empty: true.
+  std::function<bool(const Vector3&)> wanted = {};
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
 };
@@ -71,6 +74,7 @@ struct VolumeStatistics {
   std::size_t linked = 0;          ///< were a point already
   std::size_t too_near_point = 0;  ///< rejected, and not linked
   std::size_t too_near_boundary = 0;
+  std::size_t unwanted = 0;
 };
 
 /// Points for the volume, with the lattice they form.

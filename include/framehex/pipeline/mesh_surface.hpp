@@ -6,8 +6,10 @@
 #include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/estimate.hpp"
+#include "framehex/insertion/lattice_filling.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
+#include "framehex/lattice/periodic_parameterization.hpp"
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
@@ -22,10 +24,11 @@
 
 namespace framehex {
 
-/// Order in which points propose their neighbours.
+/// How points are placed: by fronts, in the order in which points propose their neighbours, or all at once.
 enum class PointOrder {
-  fifo,       ///< first in, first out: layer by layer from the boundary
-  smoothness  ///< where the frame field is smoothest first
+  fifo,        ///< first in, first out: layer by layer from the boundary
+  smoothness,  ///< where the frame field is smoothest first
+  lattice      ///< of one lattice for the whole volume, filled in order of smoothness where it has gaps
 };
 
 /// Whether the frame field follows the interfaces between regions.
@@ -41,6 +44,7 @@ struct MeshingOptions {
   FieldOptions field = {};
   InterfaceFrames interfaces = InterfaceFrames::aligned;
   PointOrder order = PointOrder::smoothness;
+  LatticeOptions lattice = {};
   CurveOptions curves = {};
   SurfaceOptions surface = {};
   RetriangulationOptions retriangulation = {};
@@ -61,6 +65,7 @@ struct MeshingStatistics {
   double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
   double dirichlet_energy = 0;
   std::size_t n_singular_edges = 0;  ///< facets through which a singular line of the field passes
+  double lattice_volume = 0;  ///< share of the volume in which the lattice is regular; 0 also where fronts replace it
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;
   std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
@@ -86,8 +91,8 @@ public:
   SurfaceMesher(const T& tetrahedralizer, const Size& size, MeshingOptions options, const E& executor)
       : tetrahedralizer_(tetrahedralizer), size_(size), options_(std::move(options)), executor_(executor) {
     if (!options_.observer) return;
-    for (Observer* observer : {&options_.field.observer, &options_.surface.observer, &options_.volume.observer,
-                               &options_.recombination.observer})
+    for (Observer* observer : {&options_.field.observer, &options_.lattice.observer, &options_.surface.observer,
+                               &options_.volume.observer, &options_.recombination.observer})
       *observer = options_.observer;
   }
 
@@ -99,6 +104,7 @@ public:
     check_sizes();
     refine_surface();
     if (!make_field()) return cancelled();
+    if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled();
     if (!sample_surface()) return cancelled();
     watch_.lap(seconds_.insertion);
     if (!retriangulate_surface()) return cancelled();
@@ -246,8 +252,37 @@ private:
     s.n_singular_edges = singular_graph(field_->adjacency(), field_->points(), field_->frames()).facets.size();
   }
 
+  bool make_lattice() {
+    if (!going("lattice", 0)) return false;
+    if (regions_.n_regions > 1) {  // a lattice knows of no interfaces yet
+      use_fronts();
+      return true;
+    }
+    LatticeReport report;
+    lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), surface_, size_,
+                             options_.lattice, executor_, &report);
+    result_.statistics.lattice_volume = lattice_.complete_volume;
+    constexpr double least_volume = 0.5;
+    if (lattice_.complete_volume < least_volume) use_fronts();
+    watch_.lap(seconds_.insertion);
+    return report.status == Status::complete;
+  }
+
+  /// In place of a lattice of which too little is left.
+  void use_fronts() {
+    options_.order = PointOrder::smoothness;
+    result_.statistics.lattice_volume = 0;
+  }
+
   bool sample_surface() {
     if (!going("surface insertion", 0)) return false;
+    if (options_.order == PointOrder::lattice) {
+      const CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves, &lattice_.curves);
+      samples_ = fill_lattice_surface(surface_, cross_field_.frames, cross_field_.smoothness, curves, size_, lattice_,
+                                      options_.surface);
+      result_.statistics.n_surface_points = samples_.samples.size();
+      return samples_.status != Status::cancelled;
+    }
     const CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves);
     const SurfaceCrossField cross = std::exchange(cross_field_, {});
     const auto insert = [&](auto order) {
@@ -263,6 +298,10 @@ private:
     Retriangulation again = retriangulate(surface_, samples_.samples, options_.retriangulation);
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_repair_vertices = again.n_added;
+    if (again.n_crossings > 0 && options_.order == PointOrder::lattice) {
+      use_fronts();
+      return sample_surface() && retriangulate_surface();
+    }
     if (again.n_crossings > 0)
       throw invalid_surface(
           "the surface crosses itself, or comes so near to itself that triangles of the wished size do (" +
@@ -283,7 +322,11 @@ private:
       const auto insert = [&](auto order) {
         return insert_volume_points(seeds, *field_, size_, domain, options_.volume, order);
       };
-      VolumeInsertion volume = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
+      VolumeInsertion volume =
+          options_.order == PointOrder::fifo ? insert(FifoOrder{})
+          : options_.order == PointOrder::smoothness
+              ? insert(SmoothnessOrder{})
+              : fill_lattice_volume(seeds, *field_, size_, domain, lattice_, *field_->locator(), options_.volume);
       if (volume.status == Status::cancelled) return false;
       interior_.emplace_back(volume.points.begin() + static_cast<std::ptrdiff_t>(volume.n_seeds), volume.points.end());
       result_.statistics.n_volume_points += interior_.back().size();
@@ -385,6 +428,7 @@ private:
   Surface surface_;         // the input with short edges, then its new triangulation
   SurfaceCrossField cross_field_;
   std::optional<Field> field_;
+  LatticePoints lattice_;
   SurfaceInsertion samples_;
   std::vector<BoundarySeed> seeds_;             // one a sample
   std::vector<std::vector<Vector3>> interior_;  // of each region

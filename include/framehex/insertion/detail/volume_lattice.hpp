@@ -3,7 +3,7 @@
 
 #include "framehex/geometry/size_field.hpp"
 #include "framehex/insertion/detail/insertion_checks.hpp"
-#include "framehex/insertion/proximity.hpp"
+#include "framehex/geometry/proximity.hpp"
 #include "framehex/insertion/volume_insertion.hpp"
 
 #include <algorithm>

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/lattice/axis_scale.hpp"
+#include "framehex/lattice/lattice_points.hpp"
+#include "framehex/lattice/lattice_steps.hpp"
+#include "framehex/lattice/phases.hpp"
+
+namespace framehex {
+
+struct LatticeOptions {
+  AxisScaleOptions scale = {};
+  StepProjectionOptions projection = {};
+  PhaseOptions phases = {};
+  SingularPhaseOptions singular = {};
+  double step_factor = 1;  ///< > 0: steps in sizes, on the whole
+  Observer observer = {};  ///< replaces those of the steps when set
+};
+
+struct LatticeReport {
+  StepProjectionReport projection;
+  PhaseReport phases;
+  SingularPhaseReport singular;
+  Status status = Status::complete;
+};
+
+/// Places the points of a lattice that is in step everywhere, by a periodic parameterisation of the whole volume: scale
+/// of the axes, steps along edges and their projection, phases, singular lines, points with whole coordinates.
+///
+/// @param adjacency, points, frames  tetrahedral mesh and a unit quaternion per vertex.
+/// @param surface, surface_adjacency, features  its boundary.
+/// @param size       wished step at a point, host's unit, > 0.
+/// @param report     receives what the steps found, when given.
+/// @param vertex_of  surface vertex -> vertex of the mesh; empty: the same number.
+/// @return nothing when cancelled.
+/// @throws invalid_option, invalid_field  as the steps.
+/// @par Complexity   O(n^(7/6)) or so for n tetrahedra, about 700 bytes each; the same for any executor.
+/// @par Source       Ray, Li, Levy, Sheffer, Alliez, ACM Trans. Graph. 25 (2006), for the phases; Sokolov, Ray,
+///                   Untereiner, Levy, ACM Trans. Graph. 35 (2016), for volumes. Departs: scale per axis and projection
+///                   of the steps before, which make them integrable; rounding after.
+template <SizeField Size, Executor E = SerialExecutor>
+LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vector3> points,
+                            std::span<const Quaternion> frames, const IndexedTriangleMesh& surface,
+                            const TriangleAdjacency& surface_adjacency, const FeatureGraph& features, const Size& size,
+                            LatticeOptions options = {}, const E& executor = {}, LatticeReport* report = nullptr,
+                            std::span<const index_t> vertex_of = {}) {
+  if (!(options.step_factor > 0)) throw invalid_option("the factor of the steps must be positive");
+  if (options.observer)
+    options.scale.observer = options.projection.observer = options.phases.observer = options.observer;
+  LatticeReport unused;
+  LatticeReport& r = report ? *report : unused;
+  const auto scaled_size = [&](const Vector3& p) { return options.step_factor * detail::checked_size(size, p); };
+  std::vector<double> sizes;
+  sizes.reserve(points.size());
+  for (const Vector3& p : points) sizes.push_back(scaled_size(p));
+
+  const LatticeGraph graph(adjacency, points, frames);
+  const BoundaryAxes boundary = find_boundary_axes(graph, surface, surface_adjacency, features, vertex_of);
+  r.status = Status::cancelled;
+  std::vector<Vector3> scale;
+  if (!scale_axes(graph, sizes, scale, options.scale, executor)) return {};
+  std::vector<Vector3> steps = lattice_steps(graph, scale, scaled_size);
+  r.projection =
+      project_steps(graph, steps, tangent_edges(graph, surface, boundary, vertex_of), options.projection, executor);
+  if (r.projection.status == Status::cancelled) return {};
+  std::vector<Vector3> phases;
+  PhaseSolver<E> solver(graph, steps, boundary.whole, sizes, options.phases, executor);
+  const SingularLines lines(graph, scale, sizes);
+  r.phases =
+      solve_singular_phases(solver, graph, steps, lines, boundary.whole, sizes, phases, r.singular, options.singular);
+  if (r.phases.status == Status::cancelled) return {};
+  r.status = Status::complete;
+  const SingularPoints singular = find_singular_points(graph, lines, phases, surface, sizes);
+  return extract_lattice_points(LatticeMap(graph, steps, phases), surface, features, boundary, sizes, singular,
+                                vertex_of);
+}
+
+}  // namespace framehex
