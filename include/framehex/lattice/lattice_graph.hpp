@@ -24,6 +24,12 @@ struct AxisMatching {
   Vector to_first(const Vector& second) const {
     return {sign[0] * second[axis[0]], sign[1] * second[axis[1]], sign[2] * second[axis[2]]};
   }
+  /// The inverse, of components that have no sense of direction.
+  Vector3 to_second_unsigned(const Vector3& first) const {
+    Vector3 second;
+    for (int a = 0; a < 3; ++a) second[axis[static_cast<std::size_t>(a)]] = first[a];
+    return second;
+  }
   /// The inverse.
   template <class Vector>
   Vector to_second(const Vector& first) const {

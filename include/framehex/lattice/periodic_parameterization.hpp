@@ -60,11 +60,11 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   std::vector<Vector3> scale;
   if (!scale_axes(graph, sizes, scale, options.scale, executor)) return {};
   std::vector<Vector3> steps = lattice_steps(graph, scale, scaled_size);
-  r.projection =
-      project_steps(graph, steps, tangent_edges(graph, surface, boundary, vertex_of), options.projection, executor);
+  const std::vector<AxisMask> tangent = tangent_edges(graph, surface, boundary, vertex_of);
+  r.projection = project_steps(graph, steps, tangent, options.projection, executor);
   if (r.projection.status == Status::cancelled) return {};
   std::vector<Vector3> phases;
-  PhaseSolver<E> solver(graph, steps, boundary.whole, sizes, options.phases, executor);
+  PhaseSolver<E> solver(graph, steps, boundary.whole, tangent, sizes, options.phases, executor);
   const SingularLines lines(graph, scale, sizes);
   r.phases =
       solve_singular_phases(solver, graph, steps, lines, boundary.whole, sizes, phases, r.singular, options.singular);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/lattice/detail/axis_system.hpp"
+#include "framehex/lattice/detail/boundary_charts.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -26,6 +27,7 @@ struct PhaseOptions {
 
 struct PhaseReport {
   std::size_t n_pinned = 0;      ///< parts that no boundary holds, of which one value was chosen
+  std::size_t n_charts = 0;      ///< parts of the boundary on which a coordinate is constant
   std::size_t n_iterations = 0;  ///< of all solves
   std::size_t n_changed = 0;     ///< jumps that were still changing at the end
   double rms_residual = 0;       ///< of the edges, in steps
@@ -35,10 +37,15 @@ struct PhaseReport {
 /// Finds the coordinates of a map to the integer lattice, each up to whole numbers: the phases of a periodic
 /// parameterisation.
 ///
-/// Neighbours' phases are to differ by the step along their edge; axes on the boundary have whole coordinates. A
-/// complex number per vertex and axis makes that linear; diffusion with ever shorter steps and projection to unit length
-/// spreads the phases where amplitudes are small; at last the whole jumps between neighbours are rounded and the
-/// coordinates solved for as real numbers, until no jump changes.
+/// Neighbours' phases are to differ by the step along their edge. A complex number per vertex and axis makes that
+/// linear; diffusion with ever shorter steps and projection to unit length spreads the phases where amplitudes are
+/// small. Then the whole jumps between neighbours are rounded and the coordinates solved for as real numbers, until no
+/// jump changes.
+///
+/// All this with the parts of the boundary, on each of which a coordinate is constant, free to stand between two whole
+/// numbers: an extent of n + 1/2 steps is then n + 1/2 everywhere. Only at the end, with the jumps kept, these charts
+/// are rounded, those nearest to a whole number first, and the map follows: one decision a chart, and no dislocation
+/// where one half of a chart would round up and the other down.
 ///
 /// Keeps what serves several solves over the same steps.
 template <Executor E = SerialExecutor>
@@ -46,28 +53,33 @@ class PhaseSolver {
 public:
   /// @param steps  per edge, of `lattice_steps` and `project_steps`.
   /// @param whole  per vertex: axes whose coordinate is whole, of `find_boundary_axes`.
+  /// @param tangent  per edge: components without a step, of `tangent_edges`.
   /// @param sizes  per vertex, host's unit.
   /// References are kept to all arguments.
   /// @throws invalid_option  when counts do not match.
   PhaseSolver(const LatticeGraph& graph, const std::vector<Vector3>& steps, std::span<const AxisMask> whole,
-              std::span<const double> sizes, const PhaseOptions& options = {}, const E& executor = {})
+              std::span<const AxisMask> tangent, std::span<const double> sizes, const PhaseOptions& options = {},
+              const E& executor = {})
       : graph_(graph),
         steps_(steps),
-        fixed_(whole.begin(), whole.end()),
+        tangent_(tangent),
+        charts_(graph, whole, tangent),
         options_(options),
         executor_(executor),
         waves_(graph, masses(graph, sizes)),
         coordinates_(graph, masses(graph, sizes)) {
-    if (steps.size() != graph.n_edges() || whole.size() != graph.n_vertices())
+    if (steps.size() != graph.n_edges() || tangent.size() != steps.size() || whole.size() != graph.n_vertices())
       throw invalid_option("steps and masks are not one for each edge and vertex");
     integrate_along_tree();
-    stiffness_.assign(graph.n_vertices(), 0.0);
-    for (index_t e = 0; e < graph.n_edges(); ++e)
-      for (const index_t v : graph.edges()[e]) stiffness_[v] += graph.weights()[e];
+    stiffness_.assign(graph.n_vertices(), Vector3::Zero());
+    for (index_t e = 0; e < graph.n_edges(); ++e) {
+      stiffness_[graph.edges()[e][0]] += weight(e);
+      stiffness_[graph.edges()[e][1]] += graph.matching(e).to_second_unsigned(weight(e));
+    }
     waves_.set_couplings([&](index_t e) { return wave_coupling(e); });
     coordinates_.set_couplings([&](index_t e) -> Vector3 {
       const AxisMatching& m = graph_.matching(e);
-      return -graph_.weights()[e] * Vector3(m.sign[0], m.sign[1], m.sign[2]);
+      return -weight(e).cwiseProduct(Vector3(m.sign[0], m.sign[1], m.sign[2]));
     });
   }
 
@@ -76,10 +88,15 @@ public:
   /// @par Complexity   O(edges * n^(1/6)) or so; results do not depend on the executor.
   PhaseReport solve(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets = {}) {
     PhaseReport report;
-    pinned_ = fixed_;
-    report.n_pinned = pin_loose_parts(targets);
+    report.n_charts = charts_.charts.size();
+    report.n_pinned = pin_parts(targets);
     set_diagonals(targets);
-    if (!solve_waves(phases, targets) || !round_jumps(phases, targets, report)) report.status = Status::cancelled;
+    scale_ = 0;
+    if (!solve_waves(phases, targets) || !round_jumps(phases, targets, report) || !round_charts(phases, targets) ||
+        !solve_coordinates(phases, targets, 1e-7, 0.99))
+      report.status = Status::cancelled;
+    else
+      report.rms_residual = rms_residual(phases);
     report.n_iterations = waves_.n_iterations() + coordinates_.n_iterations();
     return report;
   }
@@ -88,6 +105,7 @@ private:
   using Waves = detail::AxisSystem<2>;
   using Wave = Waves::Value;
   static constexpr double turn = 2 * std::numbers::pi;
+  static constexpr double rough = 1e-3;  // tolerance of solutions that are only rounded
 
   static std::vector<double> masses(const LatticeGraph& graph, std::span<const double> sizes) {
     if (sizes.size() != graph.n_vertices()) throw invalid_option("there is not one size for each vertex");
@@ -129,44 +147,60 @@ private:
   Wave wave_coupling(index_t e) const {
     const Vector3 angle = turn * gap(e, tree_);
     Wave c;
-    c.col(0) = graph_.weights()[e] * angle.array().cos();
-    c.col(1) = graph_.weights()[e] * angle.array().sin();
+    c.col(0) = weight(e).array() * angle.array().cos();
+    c.col(1) = weight(e).array() * angle.array().sin();
     return c;
   }
 
-  /// Sets of coordinates that hang together but touch no boundary may be shifted as a whole: one of each is pinned.
-  std::size_t pin_loose_parts(std::span<const PhaseTarget> targets) {
+  /// Weights of an edge: charts are held together by stronger ones.
+  Vector3 weight(index_t e) const {
+    constexpr double chart_stiffness = 32;
+    Vector3 result = Vector3::Constant(graph_.weights()[e]);
+    for (int a = 0; a < 3; ++a)
+      if (tangent_[e] >> a & 1) result[a] *= chart_stiffness;
+    return result;
+  }
+
+  /// Sets of coordinates that hang together may be shifted as a whole: of each the largest chart is put on 0, or one
+  /// value where there is none. @return number of the latter.
+  std::size_t pin_parts(std::span<const PhaseTarget> targets) {
     const std::size_t n = graph_.n_vertices();
-    std::vector<index_t> parent(3 * n);
-    for (index_t i = 0; i < parent.size(); ++i) parent[i] = i;
-    const auto root = [&](index_t i) {
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
+    detail::AxisSets parts(n);
     for (index_t e = 0; e < graph_.n_edges(); ++e) {
       const auto [v, w] = graph_.edges()[e];
-      for (std::size_t a = 0; a < 3; ++a) {
-        const index_t i = root(3 * v + static_cast<index_t>(a)), j = root(3 * w + graph_.matching(e).axis[a]);
-        parent[std::max(i, j)] = std::min(i, j);
-      }
+      for (index_t a = 0; a < 3; ++a) parts.unite(3 * v + a, 3 * w + graph_.matching(e).axis[a], false);
+    }
+    std::vector<index_t> largest(3 * n, no_index);  // chart of each part, by its root
+    chart_is_fixed_.assign(charts_.charts.size(), 0);
+    for (index_t c = 0; c < charts_.charts.size(); ++c) {
+      index_t& best = largest[parts.root(charts_.charts[c][0].node).first];
+      if (best == no_index || charts_.charts[c].size() > charts_.charts[best].size()) best = c;
     }
     std::vector<std::uint8_t> held(3 * n, 0);
-    for (index_t v = 0; v < n; ++v)
-      for (index_t a = 0; a < 3; ++a)
-        if (fixed_[v] >> a & 1) held[root(3 * v + a)] = 1;
-    for (const PhaseTarget& target : targets) held[root(3 * target.vertex + target.axis)] = 1;
+    for (const PhaseTarget& target : targets) held[parts.root(3 * target.vertex + target.axis).first] = 1;
+    pinned_.assign(n, 0);
     std::size_t n_pinned = 0;
-    for (index_t i = 0; i < parent.size(); ++i) {
-      if (root(i) != i || held[i]) continue;
-      pinned_[i / 3] |= static_cast<AxisMask>(1 << i % 3);
-      ++n_pinned;
+    for (index_t i = 0; i < 3 * n; ++i) {
+      if (parts.root(i).first != i) continue;
+      if (largest[i] != no_index) {
+        fix(largest[i]);
+      } else if (!held[i]) {
+        pinned_[i / 3] |= static_cast<AxisMask>(1 << i % 3);
+        ++n_pinned;
+      }
     }
     return n_pinned;
   }
 
+  void fix(index_t chart) {
+    chart_is_fixed_[chart] = 1;
+    for (const auto& member : charts_.charts[chart])
+      pinned_[member.node / 3] |= static_cast<AxisMask>(1 << member.node % 3);
+  }
+
   void set_diagonals(std::span<const PhaseTarget> targets) {
     std::vector<Vector3> diagonal(graph_.n_vertices());
-    for (std::size_t v = 0; v < diagonal.size(); ++v) diagonal[v].setConstant(stiffness_[v]);
+    for (std::size_t v = 0; v < diagonal.size(); ++v) diagonal[v] = stiffness_[v];
     for (const PhaseTarget& target : targets) diagonal[target.vertex][target.axis] += target.weight;
     for (index_t v = 0; v < diagonal.size(); ++v) {
       waves_.set_diagonal(v, diagonal[v]);
@@ -178,8 +212,9 @@ private:
     coordinates_.prepare();
   }
 
-  auto proceed(double fraction) const {
-    return [this, fraction] { return keep_going(options_.observer, "lattice", fraction); };
+  auto proceed(double fraction) {
+    furthest_ = std::max(furthest_, fraction);  // of several solves the later ones have come no less far
+    return [this] { return keep_going(options_.observer, "lattice", furthest_); };
   }
 
   static void normalise(Waves::Values& x) {
@@ -224,53 +259,113 @@ private:
     return true;
   }
 
-  static Vector3 rounded(const Vector3& x) { return x.array().round(); }
+  /// Solves for the coordinates with the jumps as they are.
+  bool solve_coordinates(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets, double tolerance,
+                         double done) {
+    const std::size_t n = graph_.n_vertices();
+    std::vector<Vector3> load(n, Vector3::Zero()), x(n);
+    for (index_t e = 0; e < jumps_.size(); ++e) {
+      const auto [v, w] = graph_.edges()[e];
+      const Vector3 pull = weight(e).cwiseProduct(steps_[e] + jumps_[e]);
+      load[coordinates_.row_of(v)] -= pull;
+      load[coordinates_.row_of(w)] += graph_.matching(e).to_second(pull);
+    }
+    for (const PhaseTarget& t : targets) {
+      const double whole = std::round(phases[t.vertex][t.axis] - t.phase);
+      load[coordinates_.row_of(t.vertex)][t.axis] += t.weight * (t.phase + whole);
+    }
+    for (index_t v = 0; v < n; ++v) x[coordinates_.row_of(v)] = phases[v];
+    if (!coordinates_.solve(x, load, 0, tolerance, options_.max_iterations, proceed(done), executor_, scale_))
+      return false;
+    if (scale_ == 0) scale_ = coordinates_.start();
+    for (index_t v = 0; v < n; ++v) phases[v] = x[coordinates_.row_of(v)];
+    return true;
+  }
 
   bool round_jumps(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets, PhaseReport& report) {
-    const std::size_t n = graph_.n_vertices();
-    std::vector<Vector3> jumps(graph_.n_edges()), load(n), x(n);
+    jumps_.resize(graph_.n_edges());
     const auto round_all = [&] {
       std::size_t n_changed = 0;
-      for (index_t e = 0; e < jumps.size(); ++e) {
-        const Vector3 jump = rounded(gap(e, phases));
-        if (jump != jumps[e]) ++n_changed;
-        jumps[e] = jump;
+      for (index_t e = 0; e < jumps_.size(); ++e) {
+        const Vector3 jump = gap(e, phases).array().round();
+        if (jump != jumps_[e]) ++n_changed;
+        jumps_[e] = jump;
       }
       return n_changed;
     };
     round_all();
     for (int rounding = 0; rounding < options_.max_roundings; ++rounding) {
-      std::fill(load.begin(), load.end(), Vector3::Zero());
-      for (index_t e = 0; e < jumps.size(); ++e) {
-        const auto [v, w] = graph_.edges()[e];
-        const Vector3 pull = graph_.weights()[e] * (steps_[e] + jumps[e]);
-        load[coordinates_.row_of(v)] -= pull;
-        load[coordinates_.row_of(w)] += graph_.matching(e).to_second(pull);
-      }
-      for (const PhaseTarget& t : targets) {
-        const double whole = std::round(phases[t.vertex][t.axis] - t.phase);
-        load[coordinates_.row_of(t.vertex)][t.axis] += t.weight * (t.phase + whole);
-      }
-      for (index_t v = 0; v < n; ++v) x[coordinates_.row_of(v)] = phases[v];
-      const double done = 0.86 + 0.02 * rounding;
-      if (!coordinates_.solve(x, load, 0, 1e-7, options_.max_iterations, proceed(done), executor_)) return false;
-      for (index_t v = 0; v < n; ++v) phases[v] = x[coordinates_.row_of(v)];
+      if (!solve_coordinates(phases, targets, rough, 0.86 + 0.02 * rounding)) return false;
       report.n_changed = round_all();
       if (report.n_changed == 0) break;
     }
-    double sum = 0;
-    for (index_t e = 0; e < jumps.size(); ++e) sum += (gap(e, phases) - jumps[e]).squaredNorm();
-    report.rms_residual = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(3 * jumps.size(), 1)));
     return true;
+  }
+
+  double rms_residual(const std::vector<Vector3>& phases) const {
+    double sum = 0;
+    for (index_t e = 0; e < jumps_.size(); ++e) sum += (gap(e, phases) - jumps_[e]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(3 * jumps_.size(), 1)));
+  }
+
+  using Members = std::span<const detail::BoundaryCharts::Member>;
+
+  double coordinate(const std::vector<Vector3>& phases, const detail::BoundaryCharts::Member& member) const {
+    const double u = phases[member.node / 3][member.node % 3];
+    return member.against ? -u : u;
+  }
+
+  /// How far a chart is above the nearest whole number. Across cuts its members differ by whole numbers.
+  double excess(const std::vector<Vector3>& phases, Members chart) const {
+    const double first = coordinate(phases, chart[0]);
+    double sum = 0;
+    for (const auto& member : chart) {
+      const double difference = coordinate(phases, member) - first;
+      sum += difference - std::round(difference);
+    }
+    const double mean = first + sum / static_cast<double>(chart.size());
+    return mean - std::round(mean);
+  }
+
+  /// Moves charts to whole numbers, those nearest to one first; the others answer before their turn comes.
+  bool round_charts(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets) {
+    constexpr double batch = 0.1;  // steps; beyond it one by one, or nearly
+    const std::size_t n_charts = charts_.charts.size();
+    std::vector<double> excesses(n_charts);
+    while (true) {
+      double least = 1;
+      for (index_t c = 0; c < n_charts; ++c) {
+        if (chart_is_fixed_[c]) continue;
+        excesses[c] = excess(phases, charts_.charts[c]);
+        least = std::min(least, std::abs(excesses[c]));
+      }
+      if (least == 1) return true;
+      for (index_t c = 0; c < n_charts; ++c) {
+        if (chart_is_fixed_[c] || std::abs(excesses[c]) > std::max(batch, least + 0.01)) continue;
+        fix(c);
+        for (const auto& member : charts_.charts[c]) {
+          double& u = phases[member.node / 3][member.node % 3];
+          u = std::round(u - (member.against ? -excesses[c] : excesses[c]));
+        }
+      }
+      for (index_t v = 0; v < pinned_.size(); ++v) coordinates_.set_fixed(v, pinned_[v]);
+      coordinates_.prepare();
+      if (!solve_coordinates(phases, targets, rough, 0.98)) return false;
+    }
   }
 
   const LatticeGraph& graph_;
   const std::vector<Vector3>& steps_;
-  std::vector<AxisMask> fixed_, pinned_;
+  std::span<const AxisMask> tangent_;
+  detail::BoundaryCharts charts_;
+  std::vector<std::uint8_t> chart_is_fixed_;
+  std::vector<AxisMask> pinned_;
+  double furthest_ = 0;
+  double scale_ = 0;  // of the first solution's residual
   PhaseOptions options_;
   const E& executor_;
   std::vector<Vector3> tree_;
-  std::vector<double> stiffness_;
+  std::vector<Vector3> stiffness_, jumps_;
   Waves waves_;
   detail::AxisSystem<1> coordinates_;
 };

@@ -109,6 +109,7 @@ public:
       return local(row, residual_[row]).cwiseProduct(residual_[row]).sum();
     });
     rho += correct(executor);
+    start_ = rho;
     turn(0, executor);
     const double target = tolerance * tolerance * (scale > 0 ? scale : rho);
     for (int iteration = 0; iteration < max_iterations && rho > target; ++iteration) {
@@ -132,6 +133,8 @@ public:
     return true;
   }
 
+  /// Square of the residual's norm at the start of the last solve: a `scale` for later ones.
+  double start() const { return start_; }
   /// Of all solves so far.
   std::size_t n_iterations() const { return n_iterations_; }
 
@@ -287,7 +290,7 @@ private:
   std::vector<double> masses_;
   std::vector<AxisMask> fixed_;
   std::vector<Level> levels_;
-  double factor_ = 0;
+  double factor_ = 0, start_ = 0;
   std::size_t n_iterations_ = 0;
   Values residual_, direction_, image_;
   std::vector<Values> corrections_;
