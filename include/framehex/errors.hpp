@@ -10,13 +10,14 @@
 namespace framehex {
 
 /// What the indices of an error number.
-enum class Entity { none, vertex, edge, triangle, cell, candidate, line };
+enum class Entity { none, vertex, edge, triangle, cell, candidate, line, labelled_face, labelled_edge };
 
 /// Root of everything that framehex throws on bad input.
 ///
 /// `what()` names the entity for a person, `entity()` and `indices()` name it for a program. The indices are those
 /// of the input: dense 0-based numbers of the kind `entity()`; an edge is given by its two vertices, a facet
-/// without a number of its own by its three vertices (and `Entity::vertex`).
+/// without a number of its own by its three vertices (and `Entity::vertex`); a labelled face or edge by its position in
+/// the span that was given.
 class error : public std::runtime_error {
 public:
   explicit error(const std::string& message) : std::runtime_error(message) {}

@@ -6,6 +6,7 @@
 
 #include "framehex/io/data_array.hpp"
 #include "framehex/io/input_file.hpp"
+#include "framehex/io/label_limit.hpp"
 #include "framehex/io/legacy_vtk_reader.hpp"
 #include "framehex/io/medit_reader.hpp"
 #include "framehex/io/medit_writer.hpp"

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "framehex/assembly/assemble.hpp"
+#include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/cube_candidates.hpp"
 
@@ -235,5 +236,71 @@ TEST_CASE("assembly can be cancelled whenever it reports, and then leaves nothin
     CHECK(n == stop);
     CHECK(result.status == Status::cancelled);
     CHECK(result.mesh.n_cells() == 0);
+  }
+}
+
+TEST_CASE("a labelled patch inside stays, as quadrilaterals and triangles", "[assembly]") {
+  const auto improvement = GENERATE(ImprovementMode::none, ImprovementMode::improve);
+  const auto mode = GENERATE(InterfaceMode::conforming, InterfaceMode::no_pyramids, InterfaceMode::open);
+  for (std::uint64_t seed = 30; seed < 36; ++seed) {
+    const Lattice lattice = jittered_lattice(4, 0.3, seed);
+    std::vector<LabelledFace> faces;
+    Vector3 area = Vector3::Zero();
+    const auto in_plane = [](index_t v) { return v % 5 == 2; };
+    for (std::size_t tet = 0; tet < lattice.adjacency.tets.size(); ++tet)
+      for (int f = 0; f < 4; ++f) {
+        const auto t = facet(lattice.adjacency.tets[tet], f);
+        const auto& p = lattice.mesh.points;
+        const Vector3 twice = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
+        if (!std::ranges::all_of(t, in_plane) || twice.x() < 0) continue;  // from one side
+        faces.push_back({{t[0], t[1], t[2], no_index}, 5});
+        area += twice / 2;
+      }
+    REQUIRE(faces.size() == 32);
+    auto selected = random_subset(64, 0.8, seed);
+    std::erase_if(selected, [&](index_t cube) {
+      std::array<Vector3, 8> corners;
+      for (std::size_t i = 0; i < 8; ++i) corners[i] = lattice.mesh.points[lattice.cubes.vertices[cube][i]];
+      return !is_valid(CellKind::hexahedron, corners);
+    });
+    const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected,
+                                     {.interfaces = mode, .improvement = improvement, .faces = faces});
+    Vector3 found = Vector3::Zero();
+    for (const LabelledFace& face : result.mesh.faces) {
+      const auto p = [&](std::size_t i) -> const Vector3& { return result.mesh.points[face.vertices[i]]; };
+      const Vector3 n = face.size() == 4 ? Vector3((p(2) - p(0)).cross(p(3) - p(1)) / 2)
+                                         : Vector3((p(1) - p(0)).cross(p(2) - p(0)) / 2);
+      if (face.label == 5) found += n;
+      CHECK((face.label == 5 || face.label == 6));  // 6: the boundary, which has no label
+    }
+    CAPTURE(seed, static_cast<int>(mode), static_cast<int>(improvement));
+    CHECK((found - area).norm() < 1e-12 * area.norm());
+    for (const index_t v : result.moved) CHECK(!in_plane(v));
+  }
+}
+
+TEST_CASE("cells on either side of a labelled quadrilateral are never merged", "[assembly]") {
+  const IndexedTetMesh mesh = test::kuhn_lattice(2, 1, 1);
+  const TetAdjacency adjacency = make_adjacency(mesh);
+  const auto cubes = find_potential_hexahedra(mesh, {.quality_floor = 0.9});
+  REQUIRE(cubes.size() == 2);
+  std::vector<LabelledFace> faces;
+  for (const auto& tet : mesh.tets)
+    for (int f = 0; f < 4; ++f) {
+      const auto t = facet(tet, f);
+      if (std::ranges::all_of(t, [](index_t v) { return v % 3 == 1; }))
+        faces.push_back({{t[0], t[1], t[2], no_index}, 2});
+    }
+  REQUIRE(faces.size() == 4);  // each from both sides
+  for (const bool labelled : {false, true}) {
+    AssemblyOptions options;
+    if (labelled) options.faces = faces;
+    detail::ComplexBuilder builder(mesh.points, adjacency, options);
+    for (index_t i = 0; i < 2; ++i)
+      REQUIRE(!builder.add(CellKind::hexahedron, cubes.vertices[i], cubes.tets[i], i).reason);
+    detail::CavityFiller filler(builder.complex);
+    detail::Cavity cavity;
+    cavity.cells = {0, 1};
+    CHECK(filler.build(cavity) != labelled);
   }
 }

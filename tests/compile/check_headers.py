@@ -4,7 +4,7 @@
 
 Includes point up the list of layers only; the core includes the standard library, Eigen and Boost, and one header alone
 Boost.Geometry; every header has its licence line and guard and at most 500 lines; framehex.hpp has every header of the
-core, io.hpp those of io/, and neither an adapter.
+core, io.hpp those of io/, and neither an adapter; every number of a public options struct has its range in `each_number`.
 """
 import pathlib
 import re
@@ -35,6 +35,14 @@ def umbrella_text(umbrella, headers):
     return "\n".join(lines) + "\n"
 
 
+def check_options(header, text, errors):
+    number = r"^\s+(?:std::optional<)?(?:double|int|index_t|std::size_t|std::uint64_t)>? (\w+) ?="
+    for name, body in re.findall(r"^struct (\w*Options) \{\n(.*?)^\};", text, re.M | re.S):
+        for member in re.findall(number, body, re.M):
+            if f'visit("{name}::{member}", o.{member},' not in body:
+                errors.append(f"{header}: {name}::{member} has no range in each_number")
+
+
 def check(header, text, errors):
     lines = text.splitlines()
     if not lines or lines[0] != "// SPDX-License-Identifier: BSL-1.0" or "#pragma once" not in lines[:3]:
@@ -43,6 +51,8 @@ def check(header, text, errors):
         errors.append(f"{header}: {len(lines)} lines")
     if re.search(r"^\s*using namespace", text, re.M):
         errors.append(f"{header}: using namespace")
+    if "detail" not in header.parts:
+        check_options(header, text, errors)
     mine = layer(header)
     for included in re.findall(r'^\s*#\s*include\s+"([^"]+)"', text, re.M):
         if not included.startswith("framehex/"):

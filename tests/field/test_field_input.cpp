@@ -71,7 +71,7 @@ TEST_CASE("features that meet at any angle, down to ten degrees and below") {
     check_all_methods(wedge(degrees * std::numbers::pi / 180));
 }
 
-TEST_CASE("tetrahedra that touch in a vertex; those that touch in an edge") {
+TEST_CASE("tetrahedra that touch in a vertex or along an edge") {
   IndexedTetMesh mesh;
   mesh.points = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
   mesh.tets = {{1, 2, 3, 4}, {1, 6, 5, 7}};
@@ -204,4 +204,62 @@ TEST_CASE("options and maps out of range are refused") {
   IndexedTetMesh bad = mesh;
   std::swap(bad.tets[5][0], bad.tets[5][1]);
   CHECK_THROWS_AS(compute_frame_field(bad), inverted_cell);
+}
+
+TEST_CASE("parts that touch in an edge or a vertex, and cracks, have fields") {
+  for (const Vector3& shift : {Vector3(2, 2, 2), Vector3(2, 2, 0)}) {
+    IndexedTetMesh mesh = test::kuhn_lattice(2);
+    const IndexedTetMesh other = mesh;
+    std::vector<index_t> number;
+    for (const Vector3& p : other.points) {
+      const auto same = std::find(other.points.begin(), other.points.end(), Vector3(p + shift));
+      number.push_back(same != other.points.end() ? static_cast<index_t>(same - other.points.begin())
+                                                  : static_cast<index_t>(mesh.points.size()));
+      if (same == other.points.end()) mesh.points.push_back(p + shift);
+    }
+    for (const auto& t : other.tets) mesh.tets.push_back({number[t[0]], number[t[1]], number[t[2]], number[t[3]]});
+    check_all_methods(mesh);
+    const auto field = compute_frame_field(mesh);
+    for (const Quaternion& q : field.frames()) CHECK(CubeRotationGroup<>::angle(q, Quaternion::Identity()) < 1e-3);
+  }
+  IndexedTetMesh mesh = test::kuhn_lattice(3);
+  const auto copy = static_cast<index_t>(mesh.points.size());
+  mesh.points.push_back(Vector3(mesh.points[21]));
+  int n = 0;
+  for (auto& t : mesh.tets)
+    for (index_t& v : t)
+      if (v == 21 && n++ < 6) v = copy;
+  check_all_methods(mesh);
+}
+
+TEST_CASE("given feature edges of a mesh are in its own numbers") {
+  IndexedTetMesh mesh = test::kuhn_lattice(2);
+  mesh.points.insert(mesh.points.begin(), Vector3(9, 9, 9));  // isolated: the boundary counts from its second vertex
+  for (auto& t : mesh.tets)
+    for (index_t& v : t) ++v;
+  MeshFieldOptions options;
+  options.features.given_edges = {{5, 2}};  // (1,1,0) to (1,0,0)
+  CHECK_NOTHROW(compute_frame_field(mesh, options));
+  for (const std::array<index_t, 2>& edge : {std::array<index_t, 2>{14, 5}, std::array<index_t, 2>{0, 1}}) {
+    options.features.given_edges = {edge};
+    try {
+      compute_frame_field(mesh, options);
+      FAIL("accepted");
+    } catch (const invalid_option& e) {
+      CHECK(e.entity() == Entity::edge);
+      CHECK(e.indices() == std::vector<std::size_t>{edge[0], edge[1]});
+    }
+  }
+}
+
+TEST_CASE("errors of the boundary come back in the numbers of the mesh") {
+  BoundarySurface boundary;
+  boundary.vertex_of = {4, 7, 9};
+  boundary.tet_of = {3, 8};
+  const auto vertex = detail::in_mesh_numbers(invalid_field("vertex 1", Entity::vertex, {1}), boundary);
+  CHECK(vertex.entity() == Entity::vertex);
+  CHECK(vertex.indices() == std::vector<std::size_t>{7});
+  const auto cell = detail::in_mesh_numbers(invalid_field("triangle 1", Entity::triangle, {1}), boundary);
+  CHECK(cell.entity() == Entity::cell);
+  CHECK(cell.indices() == std::vector<std::size_t>{8});
 }

@@ -15,6 +15,11 @@ using namespace framehex::test;
 
 namespace {
 
+template <class Inserter>
+concept Finishable = requires(Inserter&& inserter) {
+  std::forward<Inserter>(inserter).finish();
+};
+
 const auto constant = [](double h) { return [h](const Vector3&) { return h; }; };
 const Quaternion tilted = Quaternion(0.3, 0.5, -0.2, 0.7).normalized();
 
@@ -270,6 +275,8 @@ TEST_CASE("step by step is the same as in one go") {
   const auto seeds = shell_seeds(shell, 0.2);
   const RadialFrames frames;
   SmoothnessOrderedInserter<RadialFrames, decltype(size), Shell> inserter(frames, size, shell, seeds);
+  // It takes the result out: not from an inserter that is looked at afterwards.
+  static_assert(Finishable<decltype(inserter)> && !Finishable<decltype(inserter)&>);
   std::size_t steps = 0;
   while (inserter.step()) ++steps;
   const auto whole = insert_volume_points<SmoothnessOrder>(seeds, frames, size, shell, {.rounds = 0});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/mesh_reader.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/mesh_writer.hpp"
 #include "support/four_cells.hpp"
@@ -84,6 +85,33 @@ TEST_CASE("what cannot be written is refused by name, and leaves nothing") {
   CHECK_THROWS_WITH(write_mesh(folder / "folder.vtu", mesh), Contains("folder.vtu: is a directory"));
   std::filesystem::remove(folder / "folder.vtu");
   CHECK(folder.n_entries() == 0);
+}
+
+TEST_CASE("labels that a format cannot hold are refused before a byte is written") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"mesh.msh", "mesh.mesh"}) {
+    for (const index_t label : {index_t{2147483647}, no_index}) {
+      const std::string text = std::to_string(label);
+      MixedMesh mesh = test::four_cells();
+      mesh.regions.assign(mesh.n_cells(), label);
+      CHECK_THROWS_WITH(write_mesh(folder / name, mesh), Contains(name) && Contains(text));
+      mesh = test::four_cells();
+      mesh.faces = {{{0, 1, 2, no_index}, label}};
+      CHECK_THROWS_WITH(write_mesh(folder / name, mesh), Contains(name) && Contains(text));
+      mesh = test::four_cells();
+      mesh.edges = {{{0, 1}, label}};
+      CHECK_THROWS_WITH(write_mesh(folder / name, mesh), Contains(name) && Contains(text));
+    }
+    CHECK(folder.n_entries() == 0);
+    MixedMesh mesh = test::four_cells();
+    mesh.regions.assign(mesh.n_cells(), 2147483646);
+    mesh.regions[0] = 0;
+    write_mesh(folder / name, mesh);
+    auto regions = read_mesh(folder / name).regions;  // cells come by region
+    std::sort(regions.begin(), regions.end());
+    CHECK(regions == mesh.regions);
+    std::filesystem::remove(folder / name);
+  }
 }
 
 TEST_CASE("a full disk is an error that names the file") {

@@ -197,6 +197,31 @@ TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
   }
 }
 
+TEST_CASE("numbers of other meshes than those made on the way are not looked at") {
+  const IndexedTriangleMesh surface = box({2, 1, 1}, 0.3);
+  const MixedMesh mesh = mesh_surface(surface, Constant{0.5}, TetgenProcess{}).recombination.mesh;
+  MeshingOptions options;
+  const std::vector<index_t> regions{1, 2, 3};
+  const std::vector<std::uint8_t> is_free{0, 1};
+  options.field.vertex_of = {2, 1, 0};
+  options.recombination.regions = regions;
+  options.recombination.finder.free_tets = is_free;
+  const MixedMesh again = mesh_surface(surface, Constant{0.5}, TetgenProcess{}, options).recombination.mesh;
+  CHECK(again.points == mesh.points);
+  CHECK(again.cells.values == mesh.cells.values);
+}
+
+TEST_CASE("numbers outside their range are refused before any work") {
+  const IndexedTriangleMesh open{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  MeshingOptions options;
+  options.recombination.assembly.quality_target = -0.1;
+  CHECK_THROWS_AS(mesh_surface(open, Constant{0.5}, TetgenProcess{}, options), invalid_option);
+  options = {};
+  options.background_edge = std::nan("");
+  CHECK_THROWS_AS(mesh_surface(open, Constant{0.5}, TetgenProcess{}, options), invalid_option);
+  CHECK_THROWS_AS(mesh_surface(open, Constant{0.5}, TetgenProcess{}), open_surface);
+}
+
 TEST_CASE("bad sizes are refused before any work") {
   const IndexedTriangleMesh surface = box({1, 1, 1}, 0);
   for (const double size : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})

@@ -4,6 +4,7 @@
 #include "framehex/assembly/detail/improver.hpp"
 #include "framehex/assembly/detail/mixed_export.hpp"
 #include "framehex/mesh/mixed_faces.hpp"
+#include "framehex/option_ranges.hpp"
 
 namespace framehex {
 
@@ -12,13 +13,20 @@ enum class Reconnection { none, allowed };
 
 struct OptimizationOptions {
   Reconnection reconnection = Reconnection::none;
-  /// Scaled Jacobian below which a hexahedron, or another cell, is worked on, -1 to 1.
+  /// Scaled Jacobian below which a hexahedron, or another cell, is worked on, 1e-3 to 1.
   double hexahedron_target = 0.34;
   double quality_target = 0.21;
-  int max_rounds = 8;
+  int max_rounds = 8;  ///< 0 to 1e6
   /// As in `AssemblyOptions`, with vertices of the mixed mesh. Empty: no boundary vertex moves.
   std::function<bool(index_t vertex, Vector3& place)> boundary_projection{};
   Observer observer{};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("OptimizationOptions::hexahedron_target", o.hexahedron_target, 1e-3, 1);
+    visit("OptimizationOptions::quality_target", o.quality_target, 1e-3, 1);
+    visit("OptimizationOptions::max_rounds", o.max_rounds, 0, 1e6);
+  }
 };
 
 /// Least scaled Jacobian before and after, by CellKind; 2 for a kind that is not there.
@@ -46,15 +54,17 @@ inline std::array<double, 4> least_quality(const CellComplex& complex) {
 ///
 /// Interior vertices are free, boundary vertices go where `boundary_projection` puts them. A valid cell never becomes
 /// invalid; cells that are invalid at the start stay or become valid. With `Reconnection::allowed` tetrahedra and
-/// pyramids are reconnected too: cells are then renumbered, vertices that no cell uses any longer are dropped, and
-/// labels of faces and edges are renumbered with them; without, only `points` changes.
+/// pyramids are reconnected too: cells are then renumbered, new vertices may follow the old ones, and vertices that no
+/// cell uses any longer stay in `points`, so that numbers hold; without, only `points` changes.
 ///
 /// @param mesh  conforming, well-formed; changed in place.
 /// @return least qualities before and after.
+/// @throws invalid_option  for a number outside its range.
 /// @par Complexity   O(n) to find the bad cells; then by their number.
 /// @par Source       The energy is a one-sided fourth power in the scaled Jacobian, minimised by damped Gauss-Newton
 ///                   steps one vertex at a time.
 inline OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& options = {}) {
+  check_options(options);
   detail::CellComplex complex;
   for (const Vector3& p : mesh.points) complex.add_vertex(p, false);
   for (index_t cell = 0; cell < mesh.n_cells(); ++cell)
@@ -62,8 +72,7 @@ inline OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& o
   for (const CellFace& face : faces_used_once(mesh))
     for (std::size_t i = 0; i < face.size(); ++i)
       complex.on_boundary[face.vertices[i]] = complex.is_protected[face.vertices[i]] = 1;
-  for (const LabelledFace& face : mesh.faces)
-    if (face.size() == 3) complex.protected_faces.insert(detail::face_key(face.vertices));
+  for (const LabelledFace& face : mesh.faces) complex.protected_faces.insert(detail::face_key(face.vertices));
   for (const LabelledEdge& edge : mesh.edges) {
     complex.protected_edges.insert(detail::face_key({edge.vertices[0], edge.vertices[1], no_index, no_index}));
     for (const index_t v : edge.vertices) complex.is_protected[v] = 1;
@@ -90,15 +99,9 @@ inline OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& o
     mesh.points = complex.points;
     return result;
   }
-  detail::MixedExport exported = detail::export_cells(complex);
-  std::vector<index_t> number(complex.n_vertices(), no_index);
-  for (index_t i = 0; i < exported.vertex_of.size(); ++i) number[exported.vertex_of[i]] = i;
-  for (LabelledFace face : mesh.faces) {
-    for (std::size_t i = 0; i < face.size(); ++i) face.vertices[i] = number[face.vertices[i]];
-    exported.mesh.faces.push_back(face);
-  }
-  for (const LabelledEdge& edge : mesh.edges)
-    exported.mesh.edges.push_back({{number[edge.vertices[0]], number[edge.vertices[1]]}, edge.label});
+  detail::MixedExport exported = detail::export_cells(complex, mesh.points.size());
+  exported.mesh.faces = std::move(mesh.faces);
+  exported.mesh.edges = std::move(mesh.edges);
   if (mesh.regions.empty()) exported.mesh.regions.clear();
   mesh = std::move(exported.mesh);
   return result;

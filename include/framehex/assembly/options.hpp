@@ -3,6 +3,7 @@
 
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/observer.hpp"
+#include "framehex/option_ranges.hpp"
 
 #include <functional>
 
@@ -20,25 +21,33 @@ enum class InterfaceMode {
 enum class PrismMode { none, chosen };
 
 /// Whether, after closing, cells of low quality are improved by moving vertices and reconnecting tetrahedra.
+/// `none` moves and removes no vertex either.
 enum class ImprovementMode { none, improve };
+
+/// What becomes of the numbers of the input's vertices.
+enum class VertexNumbers {
+  kept,    ///< vertex v of the input is point v of the result, also when no cell uses it (any longer); new ones follow
+  compact  ///< vertices that no cell uses are left out, the others move up
+};
 
 /// How `assemble` works. The label fields refer to memory of the caller that must outlive the call.
 struct AssemblyOptions {
   InterfaceMode interfaces = InterfaceMode::conforming;
   PrismMode prisms = PrismMode::chosen;
   ImprovementMode improvement = ImprovementMode::improve;
+  VertexNumbers vertex_numbers = VertexNumbers::kept;
   /// Least scaled Jacobian of a prism that is chosen, 0 to 1.
   double prism_quality_floor = 0.25;
-  /// Least scaled Jacobian that a closed interface may leave, -1 to 1, before a hexahedron is given up for it.
+  /// Least scaled Jacobian that a closed interface may leave, 0 to 1, before a hexahedron is given up for it.
   double quality_floor = 0.05;
-  /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, -1 to 1.
+  /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, 1e-3 to 1.
   double quality_target = 0.21;
-  /// Scaled Jacobian below which improvement works on a hexahedron, -1 to 1.
+  /// Scaled Jacobian below which improvement works on a hexahedron, 1e-3 to 1.
   double hexahedron_target = 0.34;
   /// Label of each tetrahedron, n_tets entries, or empty for one region.
   std::span<const index_t> regions{};
   /// Labelled triangles of the tetrahedral mesh, on its boundary or inside, in its vertex numbers. Inner ones stay
-  /// faces.
+  /// faces. Boundary faces without one come out with the label after the greatest that is given (0: none is).
   std::span<const LabelledFace> faces{};
   /// Labelled edges of the tetrahedral mesh (feature curves); they stay edges.
   std::span<const LabelledEdge> edges{};
@@ -47,6 +56,14 @@ struct AssemblyOptions {
   /// `BoundarySlider` is one.
   std::function<bool(index_t vertex, Vector3& place)> boundary_projection{};
   Observer observer{};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("AssemblyOptions::prism_quality_floor", o.prism_quality_floor, 0, 1);
+    visit("AssemblyOptions::quality_floor", o.quality_floor, 0, 1);
+    visit("AssemblyOptions::quality_target", o.quality_target, 1e-3, 1);
+    visit("AssemblyOptions::hexahedron_target", o.hexahedron_target, 1e-3, 1);
+  }
 };
 
 /// A quadrilateral that faces two triangles.
@@ -63,6 +80,7 @@ struct AssemblyStatistics {
   std::size_t n_raised = 0;               ///< closed by a pyramid to another vertex or to a new one
   std::size_t n_split = 0;                ///< hexahedra and prisms split from a new vertex at their centre
   std::size_t n_dissolved = 0;            ///< hexahedra and prisms taken back into their tetrahedra
+  std::size_t n_withdrawn = 0;            ///< of those, left out from the start because they could not be closed
   std::size_t n_new_vertices = 0;         ///< of the result, that the input did not have
   std::size_t n_removed_vertices = 0;     ///< of the input's cells, that no cell of the result uses
   double hexahedron_volume_chosen = 0;    ///< of the selection

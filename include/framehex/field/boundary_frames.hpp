@@ -4,6 +4,7 @@
 #include "framehex/errors.hpp"
 #include "framehex/field/cube_rotation_group.hpp"
 #include "framehex/geometry/rotation.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface.hpp"
 
 #include <algorithm>
@@ -30,9 +31,14 @@ struct BoundaryFrames {
 };
 
 struct BoundaryFrameOptions {
-  /// A vertex of a feature curve is fixed when the normals on its two sides can be met within this angle (rad);
+  /// A vertex of a feature curve is fixed when the normals on its two sides can be met within this angle (rad, 0 to pi);
   /// otherwise only the curve's tangent is kept.
   double curve_tolerance = 15 * std::numbers::pi / 180;
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("BoundaryFrameOptions::curve_tolerance", o.curve_tolerance, 0, std::numbers::pi);
+  }
 };
 
 namespace detail {
@@ -299,6 +305,7 @@ private:
 ///                   does not speak.
 inline BoundaryFrames make_boundary_frames(const Surface& surface, std::span<const Quaternion> triangle_frames,
                                            const BoundaryFrameOptions& options = {}) {
+  check_options(options);
   const std::size_t n_triangles = surface.triangles().size();
   if (triangle_frames.size() != n_triangles)
     throw invalid_option("there are " + std::to_string(triangle_frames.size()) + " frames for " +

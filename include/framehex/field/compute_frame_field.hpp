@@ -4,6 +4,7 @@
 #include "framehex/field/frame_field.hpp"
 #include "framehex/mesh/boundary.hpp"
 #include "framehex/mesh/validation.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/surface.hpp"
 
@@ -34,6 +35,14 @@ struct FieldOptions {
       .max_sweeps = 10};
   SurfaceCross surface_cross = SurfaceCross::free;  ///< for `best`
   Observer observer = {};                           ///< for all stages that have none of their own
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    BoundaryFrameOptions::each_number(o.boundary, visit);
+    SmoothingOptions::each_number(o.smoothing, visit);
+    DiffusionOptions::each_number(o.diffusion, visit);
+    SmoothingOptions::each_number(o.polish, visit);
+  }
 };
 
 /// How a field was made.
@@ -104,6 +113,7 @@ template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, TetAdjacency adjacency, const Surface& surface,
                                      std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},
                                      const E& executor = {}, FieldReport* report = nullptr) {
+  check_options(options);
   FrameField<Mesh> field(mesh, std::move(adjacency));
   FieldReport course = detail::fill_field(field, surface, triangle_frames, options, executor);
   if (report) *report = std::move(course);
@@ -118,22 +128,81 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const Surface& surface,
 
 /// Options of a field for a host's mesh alone.
 struct MeshFieldOptions {
-  FeatureOptions features = {};
+  FeatureOptions features = {};  ///< `given_edges` in vertices of the mesh
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};  ///< `vertex_of` is not looked at
   /// Label of each tetrahedron: frames follow facets between different labels as they follow the boundary. Empty: the
   /// boundary only.
   std::span<const index_t> regions = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    FeatureOptions::each_number(o.features, visit);
+    CrossFieldOptions::each_number(o.cross_field, visit);
+    FieldOptions::each_number(o.field, visit);
+  }
 };
+
+namespace detail {
+
+/// Edges of a mesh as edges of its boundary.
+///
+/// @throws invalid_option  with the two vertices of an edge that is not on the boundary.
+inline std::vector<std::array<index_t, 2>> edges_on_boundary(std::span<const std::array<index_t, 2>> edges,
+                                                             const BoundarySurface& boundary) {
+  struct SurfaceEdge {
+    std::array<index_t, 2> host, surface;
+    auto operator<=>(const SurfaceEdge&) const = default;
+  };
+  std::vector<SurfaceEdge> known;
+  if (!edges.empty())
+    for (const auto& t : boundary.surface.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
+        known.push_back({{boundary.vertex_of[low], boundary.vertex_of[high]}, {low, high}});
+      }
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  std::vector<std::array<index_t, 2>> found;
+  for (const auto& [v, w] : edges) {
+    const std::array<index_t, 2> host{std::min(v, w), std::max(v, w)};
+    const auto range = std::ranges::equal_range(known, host, {}, &SurfaceEdge::host);
+    if (range.empty())
+      throw invalid_option(
+          "given feature edge (" + std::to_string(v) + ", " + std::to_string(w) + ") is no edge of the boundary",
+          Entity::edge, {v, w});
+    for (const SurfaceEdge& edge : range) found.push_back(edge.surface);
+  }
+  return found;
+}
+
+/// The same error in the numbers of the mesh: those of its boundary are unknown to the host.
+inline invalid_field in_mesh_numbers(const invalid_field& e, const BoundarySurface& boundary) {
+  const bool is_triangle = e.entity() == Entity::triangle;
+  if (!is_triangle && e.entity() != Entity::vertex) return e;
+  std::vector<std::size_t> indices;
+  std::string names;
+  for (const std::size_t i : e.indices()) {
+    indices.push_back(is_triangle ? boundary.tet_of[i] : boundary.vertex_of[i]);
+    names += " " + std::to_string(indices.back());
+  }
+  return invalid_field(std::string("no frame can be made on the boundary at ") + (is_triangle ? "cell" : "vertex") +
+                           names + " (in the numbers of the boundary: " + e.what() + ")",
+                       is_triangle ? Entity::cell : Entity::vertex, indices);
+}
+
+}  // namespace detail
 
 /// The field of a host's tetrahedral mesh: extracts the boundary, finds features, computes the cross field and the
 /// field.
 ///
-/// @throws invalid_field  with the vertex or boundary triangle (in the order of `extract_boundary`); invalid_option  for
-///                        labels that are not one a tetrahedron; and as `validate`.
+/// @throws invalid_field   with the vertex, or the cell behind the boundary triangle, that no frame can be made for;
+///         invalid_option  for a number outside its range, labels that are not one a tetrahedron, or with the vertices
+///                         of a given edge that is not on the boundary; and as `validate`.
 template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
                                      FieldReport* report = nullptr) {
+  check_options(options);
   FrameField<Mesh> result(mesh, validated_adjacency(mesh));
   if (!options.regions.empty() && options.regions.size() != result.adjacency().tets.size())
     throw invalid_option("there are " + std::to_string(options.regions.size()) + " region labels for " +
@@ -141,11 +210,17 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& o
   const BoundarySurface boundary = extract_boundary(mesh, result.adjacency(), options.regions);
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
-  const Surface surface(boundary.surface, options.features);
-  const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
-  FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
-  if (report) *report = std::move(course);
-  return result;
+  FeatureOptions features = options.features;
+  features.given_edges = detail::edges_on_boundary(options.features.given_edges, boundary);
+  try {
+    const Surface surface(boundary.surface, features);
+    const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
+    FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
+    if (report) *report = std::move(course);
+    return result;
+  } catch (const invalid_field& e) {
+    throw detail::in_mesh_numbers(e, boundary);
+  }
 }
 
 /// Crosses of a surface as a field in the volume has them: what to sample the surface with, so that the points on it

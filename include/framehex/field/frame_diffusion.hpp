@@ -3,6 +3,7 @@
 
 #include "framehex/field/detail/laplace_solver.hpp"
 #include "framehex/field/quartic_frame.hpp"
+#include "framehex/option_ranges.hpp"
 
 namespace framehex {
 
@@ -14,11 +15,20 @@ enum class DiffusionStart {
 
 struct DiffusionOptions {
   DiffusionStart start = DiffusionStart::harmonic;
-  int max_steps = 20;        ///< of diffusion and projection after the start; 0: the start only
-  double time_factor = 200;  ///< step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
-  double settled = 1e-3;     ///< ends when the root mean square of the change of a short step is less (rad)
-  double tolerance = 1e-3;   ///< of the linear solves, root mean square relative to the coefficients' length
+  int max_steps = 20;  ///< >= 0; of diffusion and projection after the start; 0: the start only
+  double time_factor =
+      200;                  ///< > 0; step k lasts time_factor / (k^3 lambda), lambda the first eigenvalue of the domain
+  double settled = 1e-3;    ///< >= 0; ends when the root mean square of the change of a short step is less (rad)
+  double tolerance = 1e-3;  ///< > 0 to 1; of the linear solves, root mean square relative to the coefficients' length
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("DiffusionOptions::max_steps", o.max_steps, 0, 1e9);
+    visit("DiffusionOptions::time_factor", o.time_factor, least_positive, largest_finite);
+    visit("DiffusionOptions::settled", o.settled, 0, unbounded);
+    visit("DiffusionOptions::tolerance", o.tolerance, least_positive, 1);
+  }
 };
 
 struct DiffusionReport {
@@ -183,8 +193,7 @@ DiffusionReport diffuse_frames(const TetAdjacency& adjacency, std::span<const Ve
                                std::span<Quaternion> frames, std::span<const FrameConstraint> constraints,
                                std::span<const Vector3> axes, const DiffusionOptions& options = {},
                                const E& executor = {}) {
-  if (options.max_steps < 0 || !(options.time_factor > 0) || !(options.tolerance > 0) || !(options.settled >= 0))
-    throw invalid_option("diffusion needs positive factors and tolerances");
+  check_options(options);
   const std::size_t n = adjacency.n_vertices();
   if (points.size() != n || frames.size() != n || constraints.size() != n || axes.size() != n)
     throw invalid_option("frames and constraints are not those of one mesh");

@@ -3,6 +3,7 @@
 
 #include "framehex/field/frame_measures.hpp"
 #include "framehex/observer.hpp"
+#include "framehex/option_ranges.hpp"
 
 #include <numeric>
 
@@ -16,16 +17,26 @@ enum class Diffusivity {
 
 struct SmoothingOptions {
   Diffusivity diffusivity = Diffusivity::variable;
-  double local_tolerance = 5e-3;   ///< a vertex is settled when its rotation is less (rad)
-  double global_tolerance = 3e-2;  ///< the field has converged when the largest rotation of a sweep is less (rad)
-  double smooth_threshold = 0.85;  ///< smoothness from which a place is smooth (variable diffusivity)
-  double rough_weight = 1e-3;      ///< of a neighbour below that
-  int max_sweeps = 40;
-  int max_local_iterations = 20;
+  double local_tolerance = 5e-3;   ///< > 0; a vertex is settled when its rotation is less (rad)
+  double global_tolerance = 3e-2;  ///< > 0; the field has converged when the largest rotation of a sweep is less (rad)
+  double smooth_threshold = 0.85;  ///< -1 to 1; smoothness from which a place is smooth (variable diffusivity)
+  double rough_weight = 1e-3;      ///< > 0 to 1; of a neighbour below that
+  int max_sweeps = 40;             ///< >= 1
+  int max_local_iterations = 20;   ///< 1 to 255
   /// One weight per directed edge, in the order of the adjacency's neighbours (as `dirichlet_weights` gives); empty:
   /// 1 each, as in the paper. Multiplies the diffusivity.
   std::span<const double> edge_weights = {};
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("SmoothingOptions::local_tolerance", o.local_tolerance, least_positive, unbounded);
+    visit("SmoothingOptions::global_tolerance", o.global_tolerance, least_positive, unbounded);
+    visit("SmoothingOptions::smooth_threshold", o.smooth_threshold, -1, 1);
+    visit("SmoothingOptions::rough_weight", o.rough_weight, least_positive, 1);
+    visit("SmoothingOptions::max_sweeps", o.max_sweeps, 1, 1e9);
+    visit("SmoothingOptions::max_local_iterations", o.max_local_iterations, 1, 255);
+  }
 };
 
 /// What happened in one sweep over the free vertices.
@@ -144,9 +155,7 @@ SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternio
                               std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
                               const SmoothingOptions& options = {}, const E& executor = {}) {
   const std::size_t n = frames.size();
-  if (!(options.local_tolerance > 0) || !(options.global_tolerance > 0) || options.max_sweeps < 1 ||
-      options.max_local_iterations < 1 || options.max_local_iterations > 255 || !(options.rough_weight > 0))
-    throw invalid_option("smoothing needs positive tolerances, weights and caps (and at most 255 local iterations)");
+  check_options(options);
   if (smoothness.size() != n || constraints.size() != n || axes.size() != n || adjacency.n_vertices() != n ||
       (!options.edge_weights.empty() && options.edge_weights.size() != adjacency.vertices_of_vertex.values.size()))
     throw invalid_option("frames, constraints and weights are not those of one mesh");

@@ -3,6 +3,7 @@
 
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/lattice/lattice_points.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
@@ -16,10 +17,18 @@
 namespace framehex {
 
 struct CurveOptions {
-  index_t closed_multiple = 2;  ///< intervals of a closed curve without a corner: a multiple of this, at least four
+  index_t closed_multiple =
+      2;  ///< >= 1; intervals of a closed curve without a corner: a multiple of this, at least four
   double max_turn = std::numbers::pi / 2;  ///< rad, 1e-3 to 1e3: a curve gets its whole turn over this in intervals or
                                            ///< more, however large the size
   std::size_t max_points = 5'000'000;      ///< refuse sizes that ask for more
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("CurveOptions::closed_multiple", o.closed_multiple, 1, unbounded);
+    visit("CurveOptions::max_turn", o.max_turn, 1e-3, 1e3);
+    visit("CurveOptions::max_points", o.max_points, 0, unbounded);
+  }
 };
 
 /// Samples of the corners and feature curves.
@@ -159,8 +168,7 @@ template <SizeField Size>
 CurveInsertion insert_curve_points(const Surface& surface, const Size& size, const CurveOptions& options = {},
                                    const CurveLattice* lattice = nullptr) {
   const FeatureGraph& features = surface.features;
-  if (options.closed_multiple == 0) throw invalid_option("closed_multiple must be at least 1");
-  detail::check_factor("max_turn", options.max_turn, 1e-3, 1e3);
+  check_options(options);
   if (lattice) {
     detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
     detail::one_each(std::span(lattice->arcs.offsets), features.curves.size() + 1, "ends of the lattice's rows",

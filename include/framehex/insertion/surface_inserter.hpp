@@ -90,8 +90,9 @@ public:
     return true;
   }
 
-  /// Runs to the end, or until the observer or `max_points` stops it.
-  SurfaceInsertion finish() {
+  /// Runs to the end, or until the observer or `max_points` stops it. Takes the result out, and with it what `result()`
+  /// shows: for an inserter that is done with, `std::move(inserter).finish()`.
+  SurfaceInsertion finish() && {
     SurfaceInsertion& now = lattice_.insertion();
     const auto given = static_cast<double>(now.n_curve_samples);
     now.status = detail::run_front(
@@ -114,11 +115,10 @@ private:
 
   /// The options with the order's own filled in.
   static SurfaceOptions checked(SurfaceOptions options) {
+    check_options(options);
     if (!options.rejection) options.rejection = detail::surface_rejection<Order>();
-    detail::check_factor("rejection", *options.rejection, 0.05, 0.95);
-    detail::check_factor("boundary_distance", options.boundary_distance, 1e-3, 2);
     if (!options.link_distance) options.link_distance = std::min(0.35, *options.rejection);
-    detail::check_factor("link_distance", *options.link_distance, 0, *options.rejection);
+    detail::check_link_distance(*options.link_distance, *options.rejection);
     return options;
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/insertion/volume_insertion.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
 #include <span>
@@ -23,6 +24,16 @@ struct SurfaceOptions {
   std::span<const std::uint8_t> complete = {};
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("SurfaceOptions::rejection", o.rejection, 0.05, 0.95);
+    visit("SurfaceOptions::boundary_distance", o.boundary_distance, 1e-3, 2);
+    visit("SurfaceOptions::link_distance", o.link_distance, 0, 0.95);
+    visit("SurfaceOptions::rounds", o.rounds, 0, unbounded);
+    visit("SurfaceOptions::sweeps", o.sweeps, 0, unbounded);
+    visit("SurfaceOptions::max_points", o.max_points, 0, unbounded);
+  }
 };
 
 struct SurfaceStatistics {

@@ -79,8 +79,9 @@ public:
     return true;
   }
 
-  /// Runs to the end, or until the observer or `max_points` stops it.
-  VolumeInsertion finish() {
+  /// Runs to the end, or until the observer or `max_points` stops it. Takes the result out, and with it what `result()`
+  /// shows: for an inserter that is done with, `std::move(inserter).finish()`.
+  VolumeInsertion finish() && {
     VolumeInsertion& now = lattice_.insertion();
     detail::VolumeRelaxation relaxation(lattice_, now.n_seeds + n_given_, *options_.least_move);
     now.status = detail::run_front(
@@ -107,13 +108,11 @@ private:
 
   /// The options with the order's own filled in.
   static VolumeOptions checked(VolumeOptions options) {
+    check_options(options);
     if (!options.rejection) options.rejection = Order::default_rejection;
-    detail::check_factor("rejection", *options.rejection, 0.05, 0.95);
-    detail::check_factor("boundary_distance", options.boundary_distance, 1e-3, 2);
     if (!options.link_distance) options.link_distance = std::min(0.35, *options.rejection);
-    detail::check_factor("link_distance", *options.link_distance, 0, *options.rejection);
+    detail::check_link_distance(*options.link_distance, *options.rejection);
     if (!options.least_move) options.least_move = detail::least_move<Order>();
-    detail::check_factor("least_move", *options.least_move, 1e-9, 1);
     return options;
   }
 

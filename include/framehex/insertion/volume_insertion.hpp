@@ -3,6 +3,7 @@
 
 #include "framehex/insertion/lattice_links.hpp"
 #include "framehex/observer.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 #include <concepts>
@@ -67,6 +68,17 @@ struct VolumeOptions {
   std::function<bool(const Vector3&)> wanted = {};
   std::size_t max_points = 5'000'000;  ///< refuse sizes that ask for more; stop when there are more
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("VolumeOptions::rejection", o.rejection, 0.05, 0.95);
+    visit("VolumeOptions::boundary_distance", o.boundary_distance, 1e-3, 2);
+    visit("VolumeOptions::link_distance", o.link_distance, 0, 0.95);
+    visit("VolumeOptions::rounds", o.rounds, 0, unbounded);
+    visit("VolumeOptions::sweeps", o.sweeps, 0, unbounded);
+    visit("VolumeOptions::least_move", o.least_move, 1e-9, 1);
+    visit("VolumeOptions::max_points", o.max_points, 0, unbounded);
+  }
 };
 
 struct VolumeStatistics {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/label_limit.hpp"
 #include "framehex/io/text_buffer.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 
@@ -12,12 +13,13 @@ namespace framehex {
 ///
 /// @param path  the file; appears whole or not at all (`OutputFile`).
 /// @param mesh  labels of regions, faces and edges are written plus one, as references: 0 means "none" to most readers.
-/// @throws io_error naming the file.
+/// @throws io_error naming the file; for a label beyond 2^31 - 2 too.
 /// @par Complexity   O(n).
 /// @par Determinism  Same mesh, same bytes.
 /// @par Source       P. Frey, MEDIT: an interactive mesh visualization software, INRIA RT-0253; with the keywords
 ///                   Prisms and Pyramids that mmg and Gmsh use.
 inline void write_medit(const std::filesystem::path& path, const MixedMesh& mesh) {
+  detail::check_labels_fit(path.string(), mesh);
   OutputFile file(path);
   detail::TextBuffer text(file);
   const auto section = [&](std::string_view keyword, std::size_t n) { text << "\n" << keyword << "\n" << n << "\n"; };

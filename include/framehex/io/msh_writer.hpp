@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/label_limit.hpp"
 #include "framehex/io/output_file.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 
@@ -57,7 +58,7 @@ private:
   }
 };
 
-/// Entities and physical groups are numbered from 1.
+/// Entities and physical groups are numbered from 1. @pre the label is at most `greatest_label`.
 inline int msh_tag(index_t label) {
   return static_cast<int>(label) + 1;
 }
@@ -117,11 +118,12 @@ inline void write_msh_elements(OutputFile& file, const MshBlocks& blocks) {
 /// @param path  the file; appears whole or not at all (`OutputFile`).
 /// @param mesh  each label of regions, faces and edges makes an entity and a physical group of that number plus one
 ///              (Gmsh counts from 1), named `region_0`, `patch_0`, `curve_0` and so on.
-/// @throws io_error naming the file.
+/// @throws io_error naming the file; for a label beyond 2^31 - 2 too.
 /// @par Complexity   O(n log labels); connectivity is held once more in memory.
 /// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
 /// @par Source       Gmsh reference manual, MSH file format version 4.1; its corner order is ours.
 inline void write_msh(const std::filesystem::path& path, const MixedMesh& mesh) {
+  detail::check_labels_fit(path.string(), mesh);
   const detail::MshBlocks blocks(mesh);
   OutputFile file(path);
   file.write("$MeshFormat\n4.1 1 8\n");

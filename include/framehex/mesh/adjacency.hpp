@@ -18,6 +18,13 @@ namespace framehex {
 
 namespace detail {
 
+/// Vertices, and cells or triangles, are counted in 32 bits, and one number means "none".
+inline void check_count(std::size_t n, std::size_t most, const char* what) {
+  if (n > most)
+    throw invalid_connectivity("the mesh has " + std::to_string(n) + " " + what + ", more than " +
+                               std::to_string(most));
+}
+
 /// Neighbours of each vertex, ascending, from cells given by vertex indices.
 template <std::size_t Corners>
 Csr<index_t> vertex_neighbours(const std::vector<std::array<index_t, Corners>>& cells,
@@ -77,12 +84,15 @@ struct TetAdjacency {
 
 /// Builds the adjacency of a mesh whose indices are in range (see `validate`).
 ///
+/// @throws invalid_connectivity  when its vertices or tetrahedra cannot be counted in 32 bits.
 /// @throws nonmanifold  with the facet's three vertices, when more than two tetrahedra share it.
 /// @par Complexity   O(n) for bounded valence; about 130 bytes a tetrahedron.
 template <TetMesh M>
 TetAdjacency make_adjacency(const M& mesh) {
   TetAdjacency a;
+  detail::check_count(n_vertices(mesh), no_index, "vertices");
   a.tets = tetrahedra(mesh);
+  detail::check_count(a.tets.size(), no_index, "tetrahedra");
   a.tets_of_vertex = detail::incident_cells(n_vertices(mesh), a.tets);
   a.vertices_of_vertex = detail::vertex_neighbours(a.tets, a.tets_of_vertex);
   a.neighbours.assign(a.tets.size(), {no_index, no_index, no_index, no_index});
@@ -125,6 +135,9 @@ TetAdjacency make_adjacency(const M& mesh) {
 /// Who touches whom on a triangulated surface, by dense indices. Half edge 3t+i runs from corner i of triangle t to
 /// corner i+1.
 struct TriangleAdjacency {
+  /// As many as have half edges that an index can count, one number being "none".
+  static constexpr std::size_t most_triangles = no_index / 3;
+
   std::vector<std::array<index_t, 3>> triangles;
   std::vector<index_t> opposite;     ///< 3 n_triangles half edges; `no_index` on a rim
   Csr<index_t> triangles_of_vertex;  ///< ascending
@@ -147,6 +160,7 @@ enum class Junctions {
 
 /// Builds the adjacency of an oriented surface whose indices are in range.
 ///
+/// @throws invalid_connectivity  when its half edges cannot be counted in 32 bits.
 /// @throws nonmanifold  with an edge's two vertices, when more than two triangles share it or two run along it the same
 /// way.
 /// @par Complexity   O(n) for bounded valence.
@@ -154,6 +168,7 @@ template <TriangleMesh M>
 TriangleAdjacency make_adjacency(const M& mesh, Junctions junctions = Junctions::refused) {
   TriangleAdjacency a;
   a.triangles = triangles(mesh);
+  detail::check_count(a.triangles.size(), TriangleAdjacency::most_triangles, "triangles");
   a.triangles_of_vertex = detail::incident_cells(n_vertices(mesh), a.triangles);
   a.vertices_of_vertex = detail::vertex_neighbours(a.triangles, a.triangles_of_vertex);
   a.opposite.assign(3 * a.triangles.size(), no_index);

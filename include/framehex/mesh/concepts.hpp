@@ -68,13 +68,23 @@ requires TetMesh<M> || TriangleMesh<M> std::size_t n_vertices(const M& mesh) {
   return static_cast<std::size_t>(std::ranges::distance(mesh_traits<M>::vertices(mesh)));
 }
 
+namespace detail {
+
+/// Coordinates as the concept promises them, whatever type of its own the host returns.
+template <class M>
+std::array<scalar_t<M>, 3> coordinates(const M& mesh, vertex_t<M> vertex) {
+  return mesh_traits<M>::point(mesh, vertex);
+}
+
+}  // namespace detail
+
 /// Coordinates by dense vertex index, in double precision.
 template <class M>
 requires TetMesh<M> || TriangleMesh<M> std::vector<Vector3> positions(const M& mesh) {
   std::vector<Vector3> points;
   points.reserve(n_vertices(mesh));
   for (const auto vertex : mesh_traits<M>::vertices(mesh)) {
-    const std::array<scalar_t<M>, 3> p = mesh_traits<M>::point(mesh, vertex);
+    const std::array<scalar_t<M>, 3> p = detail::coordinates<M>(mesh, vertex);
     points.emplace_back(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
   }
   return points;

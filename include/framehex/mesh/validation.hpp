@@ -23,13 +23,29 @@ inline std::string number_text(double x) {
   return text;
 }
 
+/// Numbers are those of the order of `vertices()`, in full: results refer to vertices by them.
+template <class M>
+void check_numbers(const M& mesh) {
+  check_count(n_vertices(mesh), no_index, "vertices");
+  std::size_t expected = 0;
+  for (const auto vertex : mesh_traits<M>::vertices(mesh)) {
+    const std::size_t index = mesh_traits<M>::index(mesh, vertex);
+    if (index != expected)
+      throw invalid_connectivity(
+          "index() of vertex " + std::to_string(expected) + " in the order of vertices() is " + std::to_string(index),
+          Entity::vertex, {expected});
+    ++expected;
+  }
+}
+
 template <class M>
 void check_coordinates(const M& mesh) {
   std::size_t index = 0;
   std::array<double, 3> low{}, high{};
   for (const auto vertex : mesh_traits<M>::vertices(mesh)) {
     std::size_t axis = 0;
-    for (const double x : mesh_traits<M>::point(mesh, vertex)) {
+    for (const auto coordinate : coordinates<M>(mesh, vertex)) {
+      const auto x = static_cast<double>(coordinate);
       if (!std::isfinite(x))
         throw invalid_coordinate("vertex " + std::to_string(index) + " has a coordinate that is not finite",
                                  Entity::vertex, {index});
@@ -52,19 +68,27 @@ template <std::size_t Corners, class M>
 std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, Entity entity) {
   const std::size_t n = n_vertices(mesh);
   const char* const name = entity == Entity::triangle ? "triangle " : "cell ";
-  auto cells = connectivity<Corners>(mesh);
-  for (std::size_t cell = 0; cell < cells.size(); ++cell)
+  const auto n_cells = static_cast<std::size_t>(std::ranges::distance(mesh_traits<M>::cells(mesh)));
+  check_count(n_cells, Corners == 3 ? TriangleAdjacency::most_triangles : no_index, "cells");
+  std::vector<std::array<index_t, Corners>> cells;
+  cells.reserve(n_cells);
+  for (const auto handle : mesh_traits<M>::cells(mesh)) {
+    const std::size_t cell = cells.size();
+    const std::array<vertex_t<M>, Corners> corners = mesh_traits<M>::cell_vertices(mesh, handle);
+    auto& row = cells.emplace_back();
     for (std::size_t i = 0; i < Corners; ++i) {
-      if (cells[cell][i] >= n)
-        throw invalid_connectivity(name + std::to_string(cell) + " refers to vertex " + std::to_string(cells[cell][i]) +
-                                       " of " + std::to_string(n),
-                                   entity, {cell});
-      for (std::size_t j = 0; j < i; ++j)
-        if (cells[cell][i] == cells[cell][j])
-          throw invalid_connectivity(
-              name + std::to_string(cell) + " uses vertex " + std::to_string(cells[cell][i]) + " twice", entity,
-              {cell});
+      const std::size_t v = mesh_traits<M>::index(mesh, corners[i]);
+      if (v >= n)
+        throw invalid_connectivity(
+            name + std::to_string(cell) + " refers to vertex " + std::to_string(v) + " of " + std::to_string(n), entity,
+            {cell});
+      row[i] = static_cast<index_t>(v);
+      if (std::find(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(i), row[i]) !=
+          row.begin() + static_cast<std::ptrdiff_t>(i))
+        throw invalid_connectivity(name + std::to_string(cell) + " uses vertex " + std::to_string(v) + " twice", entity,
+                                   {cell});
     }
+  }
   return cells;
 }
 
@@ -73,6 +97,7 @@ std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, En
 /// `validate` and `make_adjacency` at the price of one.
 template <TetMesh M>
 TetAdjacency validated_adjacency(const M& mesh) {
+  detail::check_numbers(mesh);
   detail::check_coordinates(mesh);
   const auto tets = detail::checked_connectivity<4>(mesh, Entity::cell);
   const std::vector<Vector3> p = positions(mesh);
@@ -104,7 +129,8 @@ TetAdjacency validated_adjacency(const M& mesh) {
   return adjacency;
 }
 
-/// Checks once, before any work, all that the stages assume of a tetrahedral mesh.
+/// Checks once, before any work, all that the stages assume of a tetrahedral mesh: that `index()` counts the vertices
+/// in the order of `vertices()` among the rest.
 ///
 /// Parts that touch in a vertex or an edge, several components and isolated vertices are allowed.
 ///
@@ -155,6 +181,7 @@ inline void check_closed(const TriangleAdjacency& adjacency) {
 /// @par Complexity   O(n).
 template <TriangleMesh M>
 void validate_surface(const M& mesh) {
+  detail::check_numbers(mesh);
   detail::check_coordinates(mesh);
   if (detail::checked_connectivity<3>(mesh, Entity::triangle).empty())
     throw open_surface("the surface has no triangles");

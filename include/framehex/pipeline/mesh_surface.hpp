@@ -10,6 +10,7 @@
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
 #include "framehex/lattice/periodic_parameterization.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
@@ -38,6 +39,9 @@ enum class InterfaceFrames {
 };
 
 /// Options of all stages; each stage's own options say more.
+///
+/// What refers to vertices or tetrahedra of a mesh by number (`field.vertex_of`; labels and `finder.free_tets` of
+/// `recombination`) is not looked at: the meshes are made on the way.
 struct MeshingOptions {
   FeatureOptions features = {};
   CrossFieldOptions cross_field = {};
@@ -49,10 +53,25 @@ struct MeshingOptions {
   SurfaceOptions surface = {};
   RetriangulationOptions retriangulation = {};
   VolumeOptions volume = {};
-  RecombineOptions recombination = {};         ///< its boundary projection, when empty, becomes one to the surface
-  std::optional<double> background_edge = {};  ///< edge of the background mesh; the mean size on the surface when empty
-  double max_background_points = 2e7;          ///< refuse an edge that asks for more
-  Observer observer = {};                      ///< replaces those of the stages when set
+  RecombineOptions recombination = {};  ///< its boundary projection, when empty, becomes one to the surface
+  std::optional<double> background_edge =
+      {};                              ///< > 0, edge of the background mesh; the mean size on the surface when empty
+  double max_background_points = 2e7;  ///< refuse an edge that asks for more
+  Observer observer = {};              ///< replaces those of the stages when set
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    FeatureOptions::each_number(o.features, visit);
+    CrossFieldOptions::each_number(o.cross_field, visit);
+    FieldOptions::each_number(o.field, visit);
+    CurveOptions::each_number(o.curves, visit);
+    SurfaceOptions::each_number(o.surface, visit);
+    RetriangulationOptions::each_number(o.retriangulation, visit);
+    VolumeOptions::each_number(o.volume, visit);
+    RecombineOptions::each_number(o.recombination, visit);
+    visit("MeshingOptions::background_edge", o.background_edge, least_positive, largest_finite);
+    visit("MeshingOptions::max_background_points", o.max_background_points, 0, unbounded);
+  }
 };
 
 /// What the stages found on their way.
@@ -90,6 +109,10 @@ class SurfaceMesher {
 public:
   SurfaceMesher(const T& tetrahedralizer, const Size& size, MeshingOptions options, const E& executor)
       : tetrahedralizer_(tetrahedralizer), size_(size), options_(std::move(options)), executor_(executor) {
+    // Numbers of vertices and tetrahedra of other meshes than those made here.
+    options_.field.vertex_of.clear();
+    options_.recombination.regions = {};
+    options_.recombination.finder.free_tets = {};
     if (!options_.observer) return;
     for (Observer* observer : {&options_.field.observer, &options_.lattice.observer, &options_.surface.observer,
                                &options_.volume.observer, &options_.recombination.observer})
@@ -259,8 +282,8 @@ private:
       return true;
     }
     LatticeReport report;
-    lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), surface_, size_,
-                             options_.lattice, executor_, &report);
+    lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), surface_, size_, options_.lattice,
+                             executor_, &report);
     result_.statistics.lattice_volume = lattice_.complete_volume;
     constexpr double least_volume = 0.5;
     if (lattice_.complete_volume < least_volume) use_fronts();
@@ -372,6 +395,7 @@ private:
     }
     surface_ = {};
     RecombineOptions options = options_.recombination;
+    options.assembly.vertex_numbers = VertexNumbers::compact;  // nobody knows the tetrahedra's
     options.faces = faces;
     options.edges = edges;
     options.adjacency = &tets_.adjacency;
@@ -456,6 +480,7 @@ private:
 template <TriangleMesh M, Tetrahedralizer T, SizeField Size, Executor E = SerialExecutor>
 MeshingResult mesh_surface(const M& surface, const Size& size, const T& tetrahedralizer,
                            const MeshingOptions& options = {}, const E& executor = {}) {
+  check_options(options);
   validate_surface(surface);
   Surface input(surface, options.features);
   SurfaceRegions regions = find_regions(input);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "framehex/assembly/assemble.hpp"
+#include "framehex/mesh/labels.hpp"
 #include "framehex/mesh/validation.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/candidate_weights.hpp"
@@ -18,16 +20,32 @@ struct RecombineOptions {
   SelectOptions selection = {.gap = 1, .exact_below = 2000};
   AssemblyOptions assembly = {};             ///< its labels and observer are set from those below
   std::span<const index_t> regions = {};     ///< label of each tetrahedron, n entries, or empty for one region
-  std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or between regions, with their patches
+  std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or inside, with their patches; stay faces
   std::span<const LabelledEdge> edges = {};  ///< feature edges; they stay edges
   const TetAdjacency* adjacency = nullptr;   ///< of the mesh, by those who have checked it already; else null
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    FinderOptions::each_number(o.finder, visit);
+    SelectOptions::each_number(o.selection, visit);
+    AssemblyOptions::each_number(o.assembly, visit);
+  }
 };
 
-/// A recombined mesh and how it came about.
+/// A recombined mesh, where its parts come from, and how it came about.
+///
+/// Vertices of the host keep their numbers and places, isolated ones too: point v of the result is vertex v of the host,
+/// unless `moved` lists it, or `result_of` says that no cell uses it any longer. New vertices follow. With
+/// `ImprovementMode::none` all stay. (`VertexNumbers::compact` gives up the numbers and not the tables.)
 struct Recombination {
   MixedMesh mesh;
-  std::size_t n_candidates = 0;  ///< potential hexahedra
+  std::vector<index_t> vertex_of;  ///< vertex -> vertex of the host, `no_index` for a new or removed one
+  std::vector<index_t> result_of;  ///< the inverse: vertex of the host -> vertex, `no_index` for one that is left out
+  std::vector<index_t> moved;      ///< vertices of the host that improvement moved, ascending
+  std::vector<index_t> candidate_of;  ///< cell -> hexahedral candidate, `no_index` for cells of other kinds
+  Csr<index_t> cell_of;               ///< cell -> the host's cells that fill it, ascending; none if it is made anew
+  std::size_t n_candidates = 0;       ///< potential hexahedra
   Selection selection;
   std::vector<OpenInterface> open;  ///< quadrilaterals that face two triangles, in mode `open`
   AssemblyStatistics assembly;
@@ -36,25 +54,6 @@ struct Recombination {
 };
 
 namespace detail {
-
-/// Labels of the facets opposite each corner of each tetrahedron; `no_index` where none is given.
-inline std::vector<std::array<index_t, 4>> label_facets(const TetAdjacency& adjacency,
-                                                        std::span<const LabelledFace> faces) {
-  std::vector<std::array<index_t, 4>> labels(adjacency.tets.size(), {no_index, no_index, no_index, no_index});
-  if (faces.empty()) return labels;
-  using Labelled = std::pair<std::array<index_t, 3>, index_t>;
-  std::vector<Labelled> sorted_faces;
-  for (const LabelledFace& face : faces)
-    sorted_faces.emplace_back(sorted({face.vertices[0], face.vertices[1], face.vertices[2]}), face.label);
-  std::sort(sorted_faces.begin(), sorted_faces.end());
-  for (std::size_t tet = 0; tet < labels.size(); ++tet)
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Labelled key{sorted(facet(adjacency.tets[tet], static_cast<int>(i))), 0};
-      const auto at = std::lower_bound(sorted_faces.begin(), sorted_faces.end(), key);
-      if (at != sorted_faces.end() && at->first == key.first) labels[tet][i] = at->second;
-    }
-  return labels;
-}
 
 /// Some candidates on their own, in the order given.
 inline PotentialHexahedra chosen(const PotentialHexahedra& candidates, std::span<const index_t> members) {
@@ -81,16 +80,20 @@ inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const Labelled
 
 }  // namespace detail
 
-/// Turns a tetrahedral mesh into a hex-dominant one without moving its vertices or needing anything else of framehex.
+/// Turns a tetrahedral mesh into a hex-dominant one, without needing anything else of framehex. Its boundary vertices stay
+/// (unless `assembly.boundary_projection` lets them slide); inside, improvement moves, removes and adds some, unless
+/// `assembly.improvement` is `none`.
 ///
 /// @param mesh     n tetrahedra; validated first.
-/// @param options  quality floor, selection, interfaces, labels.
-/// @return the mixed mesh; it fills the same volume. When cancelled the mesh is empty and `status` says so.
-/// @throws what `validate` throws, before any work; `invalid_option` for options out of range.
+/// @param options  quality floor, selection, interfaces, labels of facets and edges of the mesh.
+/// @return the mixed mesh, and which cells and vertices of the host its own are; it fills the same volume. When cancelled the mesh is empty and `status` says so.
+/// @throws what `validate` throws, before any work; `invalid_option` for a number outside its range, labels of regions of
+///         another count, or with the position of a labelled face or edge that is none of the mesh.
 /// @par Complexity   O(n) for the search and the assembly; the selection has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 template <TetMesh M, Executor E = SerialExecutor>
 Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& executor = {}) {
+  check_options(options);
   Recombination result;
   Stopwatch watch;
   const auto cancelled = [&] {
@@ -100,7 +103,10 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   };
   const TetAdjacency validated = options.adjacency ? TetAdjacency{} : validated_adjacency(mesh);
   const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : validated;
-  const auto patches = detail::label_facets(adjacency, options.faces);
+  check_regions(adjacency, options.regions);
+  check_labelled_edges(adjacency, options.edges);
+  std::vector<std::array<index_t, 4>> patches;
+  if (!options.faces.empty()) patches = facet_labels(adjacency, options.faces);
   const auto feature_edges = detail::vertex_pairs(options.edges);
   options.finder.regions = options.assembly.regions = options.regions;
   options.finder.facet_patches = patches;
@@ -130,6 +136,13 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   watch.lap(result.seconds.assembly);
   if (assembly.status == Status::cancelled) return cancelled();
   result.mesh = std::move(assembly.mesh);
+  result.vertex_of = std::move(assembly.vertex_of);
+  result.result_of = std::move(assembly.result_of);
+  result.moved = std::move(assembly.moved);
+  result.candidate_of = std::move(assembly.candidate_of);
+  for (index_t& candidate : result.candidate_of)
+    if (candidate != no_index) candidate = members[candidate];
+  result.cell_of = std::move(assembly.cell_of);
   result.open = std::move(assembly.open);
   result.assembly = assembly.statistics;
   return result;

@@ -3,6 +3,7 @@
 
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/observer.hpp"
+#include "framehex/option_ranges.hpp"
 
 #include <array>
 #include <cstdint>
@@ -13,7 +14,7 @@ namespace framehex {
 /// What a quadrilateral on the boundary must be.
 enum class BoundaryRule : std::uint8_t {
   both_or_neither,  ///< its two outer triangles lie both on the boundary, and then on one patch, or both inside
-  ignore            ///< anything
+  ignore            ///< it may lie on the boundary with one of them; patches are kept all the same
 };
 
 /// Whether the input is checked before the search.
@@ -31,8 +32,8 @@ struct FinderOptions {
   /// A region for each tetrahedron; a cell lies in one region, and the facets between regions count as boundary.
   /// Empty: one region.
   std::span<const index_t> regions{};
-  /// Labels of the patches of boundary (and region) facets, [tet][corner opposite the facet]; see `facet_patches`.
-  /// Empty: one patch.
+  /// Labels of the patches of facets, [tet][corner opposite the facet], `no_index` where there is none; see
+  /// `facet_patches` and `facet_labels`. A labelled facet inside the mesh counts as boundary. Empty: one patch.
   std::span<const std::array<index_t, 4>> facet_patches{};
   /// Edges, as pairs of vertices in either order, that no cell may lose: they become edges of it or stay outside.
   std::span<const std::array<index_t, 2>> feature_edges{};
@@ -45,6 +46,12 @@ struct FinderOptions {
   const TetAdjacency* adjacency = nullptr;
   /// Stage "recombination".
   Observer observer{};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("FinderOptions::quality_floor", o.quality_floor, 0, 1);
+    visit("FinderOptions::max_interior_vertices", o.max_interior_vertices, 0, unbounded);
+  }
 };
 
 using HexFinderOptions = FinderOptions;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/option_ranges.hpp"
 #include "framehex/selection/detail/contender_search.hpp"
 #include "framehex/selection/detail/exact_search.hpp"
 #include "framehex/selection/detail/gap_search.hpp"
@@ -28,6 +29,16 @@ struct SelectOptions {
   std::uint64_t seed = 1;
   /// Stage "selection".
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("SelectOptions::gap", o.gap, 0, 1);
+    visit("SelectOptions::seconds", o.seconds, 0, unbounded);
+    visit("SelectOptions::max_rounds", o.max_rounds, 0, unbounded);
+    visit("SelectOptions::max_nodes", o.max_nodes, 0, unbounded);
+    visit("SelectOptions::exact_below", o.exact_below, 0, unbounded);
+    visit("SelectOptions::seed", o.seed, 0, unbounded);
+  }
 };
 
 namespace detail {
@@ -155,7 +166,7 @@ private:
 /// @param options   see SelectOptions. A budget of 0 gives a maximal selection at once.
 /// @param executor  runs the iterations of the bound.
 /// @return members, ascending, independent and maximal whatever the status; weight, bound, gap, iterations.
-/// @throws invalid_option  when the gap is not in [0, 1] or the time is negative.
+/// @throws invalid_option  for a number outside its range.
 /// @par Complexity   By an implicit graph: `greedy` O(n log n); `best` three microseconds a candidate for the first
 ///                   selection, then up to ten for a gap of half a percent, and some 100 bytes. By a stored one also its
 ///                   conflicts, some times over, and memory as the graph again.
@@ -166,8 +177,7 @@ private:
 ///                   and branch and bound win it back.
 template <ConflictSource G, Executor E = SerialExecutor>
 Selection select(const G& graph, const SelectOptions& options = {}, const E& executor = {}) {
-  if (!(options.gap >= 0 && options.gap <= 1)) throw invalid_option("the gap of a selection must lie in [0, 1]");
-  if (!(options.seconds >= 0)) throw invalid_option("the seconds for a selection must not be negative");
+  check_options(options);
   detail::Deadline deadline(options.seconds, options.observer);
   const auto watched = deadline.watch(executor);
   detail::Draft draft = detail::Selector(options, watched, deadline).run(graph);

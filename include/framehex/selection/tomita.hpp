@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/option_ranges.hpp"
 #include "framehex/selection/detail/bitset_search.hpp"
 #include "framehex/selection/detail/reductions.hpp"
 #include "framehex/selection/detail/subgraph.hpp"
@@ -12,6 +13,11 @@ struct EnumerationOptions {
   std::size_t max_sets = std::numeric_limits<std::size_t>::max();
   /// Stage "enumeration".
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("EnumerationOptions::max_sets", o.max_sets, 0, unbounded);
+  }
 };
 
 struct EnumerationResult {
@@ -146,6 +152,7 @@ private:
 template <class Visit>
 EnumerationResult for_each_maximal_independent_set(const IncompatibilityGraph& graph, Visit&& visit,
                                                    const EnumerationOptions& options = {}) {
+  check_options(options);
   return detail::Enumeration<std::remove_reference_t<Visit>>(graph, options, visit).run();
 }
 
@@ -153,6 +160,11 @@ struct TomitaOptions {
   std::size_t max_nodes = 10'000'000;  ///< of the search tree, a component; 0: none, the dynamic greedy selection
   /// Stage "selection".
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("TomitaOptions::max_nodes", o.max_nodes, 0, unbounded);
+  }
 };
 
 /// Heaviest selection, found exactly by branch and bound on bit sets, one connected component at a time.
@@ -165,6 +177,7 @@ struct TomitaOptions {
 /// @par Source       Tomita, Tanaka, Takahashi, Theor. Comput. Sci. 363 (2006) 28-42. Departs: weighted, with a bound
 ///                   by cliques that share the weights, because one heaviest set is wanted and not all maximal ones.
 inline Selection select_by_branch_and_bound(const IncompatibilityGraph& graph, const TomitaOptions& options = {}) {
+  check_options(options);
   detail::Deadline deadline(std::numeric_limits<double>::infinity(), options.observer);
   Selection selection;
   const Reduction reduction = reduce(graph, {.max_work = 20 * (graph.rows().values.size() + graph.size())});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/cross_solver.hpp"
 #include "framehex/surface/surface.hpp"
 
@@ -23,9 +24,17 @@ struct SurfaceCrossField {
 /// How crosses are chosen where no feature prescribes them.
 struct CrossFieldOptions {
   double curvature = 0;     ///< >= 0; on closed patches, pull of the principal directions (0: the smoothest field)
-  int max_iterations = 30;  ///< of the eigenvalue solver on closed patches
-  double tolerance = 1e-3;  ///< relative change of the eigenvalue at which it stops
-  int diffusion_steps = 3;  ///< on closed patches, rounds of spreading and bringing back to unit size
+  int max_iterations = 30;  ///< >= 0; of the eigenvalue solver on closed patches
+  double tolerance = 1e-3;  ///< > 0 to 1; relative change of the eigenvalue at which it stops
+  int diffusion_steps = 3;  ///< >= 0; on closed patches, rounds of spreading and bringing back to unit size
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("CrossFieldOptions::curvature", o.curvature, 0, largest_finite);
+    visit("CrossFieldOptions::max_iterations", o.max_iterations, 0, 1e9);
+    visit("CrossFieldOptions::tolerance", o.tolerance, least_positive, 1);
+    visit("CrossFieldOptions::diffusion_steps", o.diffusion_steps, 0, 1e9);
+  }
 };
 
 namespace detail {
@@ -111,7 +120,7 @@ inline Quaternion cross_frame(const std::vector<Vector3>& points, const std::arr
 /// @param surface  may have rims, which are features then. Needles are harmless, but crosses are per triangle: refine()
 ///                 large triangles first.
 /// @return frames of unit quaternions without NaN, whatever the shape of the triangles.
-/// @throws invalid_option  for a negative or NaN curvature weight, or tolerance.
+/// @throws invalid_option  for a number outside its range.
 /// @par Complexity   One sparse factorisation of n_edges complex unknowns for all patches with features and one for
 ///                   each closed one: O(n^1.5); about 1 kB an edge.
 /// @par Determinism  The same everywhere up to rounding; closed patches start from a fixed pseudo-random vector.
@@ -119,8 +128,7 @@ inline Quaternion cross_frame(const std::vector<Vector3>& points, const std::arr
 ///                   Graph. 32 (2013) for closed surfaces. Departs from both: unknowns on edges instead of vertices,
 ///                   because no tangent plane has to be invented at corners and sharp edges.
 inline SurfaceCrossField compute_cross_field(const Surface& surface, const CrossFieldOptions& options = {}) {
-  if (!(options.curvature >= 0) || !(options.tolerance > 0))
-    throw invalid_option("the cross field needs a curvature weight >= 0 and a tolerance > 0");
+  check_options(options);
   const TriangleAdjacency& adjacency = surface.adjacency;
   const std::vector<Vector3> normals = detail::triangle_normals(surface.points, adjacency);
   const detail::EdgeConnection connection = detail::make_edge_connection(surface.points, adjacency);

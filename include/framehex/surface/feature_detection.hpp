@@ -3,6 +3,7 @@
 
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/triangle_normals.hpp"
 #include "framehex/surface/feature_graph.hpp"
 
@@ -13,12 +14,19 @@ namespace framehex {
 
 /// What counts as a feature.
 struct FeatureOptions {
-  double angle = 40 * std::numbers::pi / 180;  ///< rad; an edge bent by more than this from flat is sharp
+  double angle = 40 * std::numbers::pi / 180;  ///< rad, > 0 to pi; an edge bent by more than this from flat is sharp
   double corner_angle =
-      50 * std::numbers::pi / 180;  ///< rad; a curve that turns by more at a vertex has a corner there
+      50 * std::numbers::pi / 180;  ///< rad, > 0 to pi; a curve that turns by more at a vertex has a corner there
   index_t stray_edges = 20;         ///< a sharp curve with a loose end is kept from so many edges on
   std::vector<std::array<index_t, 2>> given_edges{};  ///< always features, in either direction
   std::vector<index_t> patches{};  ///< labels of the triangles; features run between different ones. Empty: none
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("FeatureOptions::angle", o.angle, least_positive, std::numbers::pi);
+    visit("FeatureOptions::corner_angle", o.corner_angle, least_positive, std::numbers::pi);
+    visit("FeatureOptions::stray_edges", o.stray_edges, 0, unbounded);
+  }
 };
 
 namespace detail {
@@ -285,9 +293,7 @@ inline FeatureGraph find_features(std::span<const Vector3> points, const Triangl
   if (!options.patches.empty() && options.patches.size() != adjacency.triangles.size())
     throw invalid_option("there are " + std::to_string(options.patches.size()) + " patch labels for " +
                          std::to_string(adjacency.triangles.size()) + " triangles");
-  for (const double angle : {options.angle, options.corner_angle})
-    if (!(angle > 0 && angle < std::numbers::pi))
-      throw invalid_option("a feature angle of " + std::to_string(angle) + " rad is not between 0 and pi");
+  check_options(options);
   FeatureDetector edges(points, adjacency, options);
   edges.prune(options.stray_edges);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/delaunay_flips.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
@@ -28,6 +29,11 @@ struct RefinementOptions {
   RefinementFlips flips = RefinementFlips::in_planes;
   std::size_t max_triangles = 50'000'000;   ///< needing more is taken for a mistake in the lengths
   const SurfaceLocator* locator = nullptr;  ///< of the surface, by those who have one; else null
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("RefinementOptions::max_triangles", o.max_triangles, 0, TriangleAdjacency::most_triangles);
+  }
 };
 
 namespace detail {
@@ -203,6 +209,7 @@ private:
 ///                   along longest edges.
 template <class SizeFn>
 RefinedSurface refine(const Surface& surface, const SizeFn& max_edge, const RefinementOptions& options = {}) {
+  check_options(options);
   detail::EditableSurface editable(surface);
   detail::Refiner<SizeFn> refiner(editable, max_edge, options);
   refiner.run();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/geometry/bounding_box.hpp"
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/sample_insertion.hpp"
 #include "framehex/surface/detail/surface_fit.hpp"
 #include "framehex/surface/detail/vertex_removal.hpp"
@@ -20,11 +21,18 @@ struct Retriangulation {
 
 /// What a retriangulation may do.
 struct RetriangulationOptions {
-  double max_bend = 60 * std::numbers::pi / 180;  ///< rad; a new triangle's normal from the input's nearby
+  double max_bend = 60 * std::numbers::pi / 180;  ///< rad, > 0 to pi; a new triangle's normal from the input's nearby
   /// In diagonals of the input's bounding box, > 0: vertices of the input that would lie farther from the result come
   /// back, unless that is less than 0.4 of the edges there. Infinite: none does.
   double max_deviation = 0.0075;
-  int repair_rounds = 12;  ///< cuts against self-intersections; -1: do not even look for them
+  int repair_rounds = 12;  ///< >= -1; cuts against self-intersections; -1: do not even look for them
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("RetriangulationOptions::max_bend", o.max_bend, least_positive, std::numbers::pi);
+    visit("RetriangulationOptions::max_deviation", o.max_deviation, least_positive, unbounded);
+    visit("RetriangulationOptions::repair_rounds", o.repair_rounds, -1, 1e9);
+  }
 };
 
 namespace detail {
@@ -156,6 +164,7 @@ private:
 /// @par Determinism  The same everywhere up to rounding.
 inline Retriangulation retriangulate(const Surface& surface, std::span<const SurfaceSample> samples,
                                      const RetriangulationOptions& options = {}) {
+  check_options(options);
   return detail::Retriangulator(surface, samples, options).run();
 }
 

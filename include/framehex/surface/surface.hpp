@@ -63,7 +63,7 @@ static_assert(TriangleMesh<Surface>);
 /// @param mesh  indices in range.
 /// @return curves between corners in the order of their first corner, then closed curves without a corner, which start
 ///         at their smallest vertex; a closed curve repeats its first vertex.
-/// @throws invalid_option  for an angle outside (0, pi), labels that are not one a triangle, and a given edge that is not
+/// @throws invalid_option  for an angle outside its range, labels that are not one a triangle, and a given edge that is not
 ///         one (its two vertices).
 /// @par Complexity   O(n).
 template <TriangleMesh M>

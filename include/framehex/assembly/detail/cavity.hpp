@@ -50,7 +50,7 @@ public:
   /// Gathers the faces of a set of cells. Two triangles of an open interface that both lie on the cavity become the
   /// quadrilateral that they face; an open quadrilateral of a cell inside becomes its two triangles.
   /// @return false unless the cells form a ball in one region without anything protected inside.
-  bool build(Cavity& cavity) { return gather(cavity) && is_fillable(cavity); }
+  [[nodiscard]] bool build(Cavity& cavity) { return gather(cavity) && is_fillable(cavity); }
 
   /// The first, quick half of `build`: faces and vertices. @return false if the cells are of several regions.
   bool gather(Cavity& cavity) {
@@ -158,7 +158,7 @@ public:
 
   /// Replaces the cells of the cavity by the star of a vertex.
   /// @return the number of new cells; 0, with nothing changed, when one of them would not be valid by the exact test.
-  std::size_t fill(const Cavity& cavity, index_t apex) {
+  [[nodiscard]] std::size_t fill(const Cavity& cavity, index_t apex) {
     std::array<Vector3, 5> p;
     for (const auto& face : cavity.faces) {
       if (std::find(face.begin(), face.end(), apex) != face.end()) continue;
@@ -177,6 +177,15 @@ public:
                                        cavity.region, no_index));
     }
     return new_cells.size();
+  }
+
+  /// Replaces the cells of the cavity by the star of a new vertex.
+  /// @return false, with nothing changed, when one of them would not be valid.
+  bool fill_from_new_vertex(const Cavity& cavity, const Vector3& point) {
+    const index_t vertex = complex_.add_vertex(point, false);
+    if (fill(cavity, vertex) > 0) return true;
+    complex_.remove_last_vertex();
+    return false;
   }
 
   std::vector<index_t> new_cells;  ///< of the last `fill`

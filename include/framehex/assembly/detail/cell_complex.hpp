@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/errors.hpp"
 #include "framehex/geometry/quality.hpp"
 #include "framehex/geometry/validity.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 
 #include <algorithm>
+#include <string>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -54,6 +56,12 @@ struct OpenQuad {
   }
 };
 
+/// A triangle of a labelled quadrilateral cut along its other diagonal, as which it may come back.
+struct OtherCut {
+  LabelledFace face;  ///< oriented as the label that was given
+  FaceKey given;      ///< one of the two triangles that were given: where it is a face, this one is not labelled
+};
+
 /// Cells of all four kinds under modification: cells come and go, faces are matched by their vertices.
 ///
 /// The incidence lists are threaded through the corners of the cells, so that nothing is allocated per vertex or cell.
@@ -70,12 +78,21 @@ public:
   std::vector<Vector3> points;
   std::vector<Cell> cells;
   std::vector<OpenQuad> open_quads;
+  std::vector<std::array<index_t, 4>> refused_quads;         ///< see `add_open_quad`
   std::vector<std::uint8_t> on_boundary;                     ///< by vertex
   std::vector<std::uint8_t> is_protected;                    ///< by vertex: may not vanish
-  std::unordered_set<FaceKey, FaceKeyHash> protected_faces;  ///< inner triangles that must stay faces
+  std::unordered_set<FaceKey, FaceKeyHash> protected_faces;  ///< inner faces that must stay
   std::unordered_set<FaceKey, FaceKeyHash> protected_edges;  ///< edges that must stay, as (v, w, none, none)
 
   std::size_t n_vertices() const { return points.size(); }
+
+  /// Eight corner slots a cell are counted in 32 bits, and numbers of cells that are gone are not used again.
+  static constexpr std::size_t most_cells = no_index / 8;
+  static index_t next_cell(std::size_t n_cells) {
+    if (n_cells >= most_cells)
+      throw error("assembly makes more than " + std::to_string(most_cells) + " cells; recombine the mesh in parts");
+    return static_cast<index_t>(n_cells);
+  }
 
   index_t add_vertex(const Vector3& point, bool boundary) {
     points.push_back(point);
@@ -96,7 +113,7 @@ public:
   }
 
   index_t add(CellKind kind, std::span<const index_t> corners, index_t region, index_t source) {
-    const auto id = static_cast<index_t>(cells.size());
+    const index_t id = next_cell(cells.size());
     Cell& cell = cells.emplace_back();
     cell.kind = kind;
     cell.alive = true;
@@ -135,7 +152,7 @@ public:
 
   // What was tried in vain is worth trying again only when something has changed there: times tell.
 
-  using Time = std::uint32_t;
+  using Time = std::uint64_t;
   /// A time later than any change so far.
   Time tick() { return ++now_; }
   /// Whether cells at a vertex came new, or a vertex of one of them moved, since `tick` returned a time.
@@ -232,13 +249,17 @@ public:
     return found == open_faces_.end() ? no_index : found->second;
   }
 
-  index_t add_open_quad(const OpenQuad& quad) {
-    const auto id = static_cast<index_t>(open_quads.size());
+  /// Faces are found by their vertices: a quadrilateral of which one side is open already, for another cell, cannot be
+  /// open too. It is refused, and remembered in `refused_quads`: the cells that meet there do not fit together.
+  void add_open_quad(OpenQuad quad) {
+    const std::array<FaceKey, 3> keys{face_key(quad.vertices), face_key(quad.triangle(0)), face_key(quad.triangle(1))};
+    if (std::ranges::any_of(keys, [&](const FaceKey& key) { return open_faces_.contains(key); })) {
+      refused_quads.push_back(quad.vertices);
+      return;
+    }
+    quad.open = true;
+    for (const FaceKey& key : keys) open_faces_.emplace(key, static_cast<index_t>(open_quads.size()));
     open_quads.push_back(quad);
-    open_quads.back().open = true;
-    open_faces_[face_key(quad.vertices)] = id;
-    for (int i = 0; i < 2; ++i) open_faces_[face_key(quad.triangle(i))] = id;
-    return id;
   }
 
   void close_quad(index_t id) {

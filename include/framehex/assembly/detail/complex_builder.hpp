@@ -18,6 +18,7 @@ public:
         owner_(adjacency.tets.size(), no_index),
         sliver_of_(adjacency.tets.size(), no_index) {
     for (const Vector3& p : points) complex.add_vertex(p, false);
+    if (options.improvement == ImprovementMode::none) complex.is_protected.assign(points.size(), 1);
     for (index_t tet = 0; tet < adjacency.tets.size(); ++tet)
       for (int f = 0; f < 4; ++f) {
         const index_t other = adjacency.neighbours[tet][static_cast<std::size_t>(f)];
@@ -45,7 +46,8 @@ public:
     for (const index_t tet : tets) owner_[tet] = id;
     for (const index_t sliver : slivers_)
       if (sliver_of_[sliver] == no_index) sliver_of_[sliver] = id;
-    extra_labels.insert(extra_labels.end(), labels_.begin(), labels_.end());
+    other_cuts.insert(other_cuts.end(), cuts_.begin(), cuts_.end());
+    complex.protected_faces.insert(labelled_inside_.begin(), labelled_inside_.end());
     sides_of_.insert(sides_of_.end(), sides_.begin(), sides_.end());
     for (const auto& [pair, other] : pairs_) pair_use_.try_emplace(pair, PairUse{other, id});
     return {};
@@ -67,7 +69,7 @@ public:
   }
 
   /// Labels for the triangles of the other diagonal of labelled quadrilaterals, which may come back cut that way.
-  std::vector<LabelledFace> extra_labels;
+  std::vector<OtherCut> other_cuts;
 
   bool is_free(index_t tet) const { return owner_[tet] == no_index && sliver_of_[tet] == no_index; }
 
@@ -103,9 +105,9 @@ private:
   void protect_labels() {
     for (const LabelledFace& face : options_.faces) {
       const FaceKey key = face_key(face.vertices);
-      face_label_[key] = face.label;
+      label_at_.emplace(key, &face);
       for (std::size_t i = 0; i < face.size(); ++i) complex.is_protected[face.vertices[i]] = 1;
-      if (face.vertices[3] == no_index && !is_boundary_facet(key)) complex.protected_faces.insert(key);
+      if (!is_boundary_facet(key)) complex.protected_faces.insert(key);
     }
     for (const LabelledEdge& edge : options_.edges) {
       complex.protected_edges.insert(face_key({edge.vertices[0], edge.vertices[1], no_index, no_index}));
@@ -115,7 +117,6 @@ private:
   }
 
   bool is_boundary_facet(const FaceKey& key) const {
-    if (key[0] >= adjacency_.n_vertices()) return false;
     for (const index_t tet : adjacency_.tets_of_vertex[key[0]])
       for (int f = 0; f < 4; ++f)
         if (adjacency_.neighbours[tet][static_cast<std::size_t>(f)] == no_index) {
@@ -134,14 +135,15 @@ private:
   std::vector<index_t> owner_;      ///< by tetrahedron: the chosen cell that it is part of
   std::vector<index_t> sliver_of_;  ///< by tetrahedron: the first chosen cell in whose face it lies
   std::unordered_map<std::uint64_t, PairUse> pair_use_;
-  std::unordered_map<FaceKey, index_t, FaceKeyHash> face_label_;
+  std::unordered_map<FaceKey, const LabelledFace*, FaceKeyHash> label_at_;
   std::vector<Side> sides_of_;
 
   // of the cell under check
   std::vector<index_t> slivers_;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs_;
   std::vector<Side> sides_;
-  std::vector<LabelledFace> labels_;
+  std::vector<OtherCut> cuts_;
+  std::vector<FaceKey> labelled_inside_;
   Fit fit_;
 };
 
@@ -149,7 +151,8 @@ inline ComplexBuilder::Refusal ComplexBuilder::check(CellKind kind, std::span<co
                                                      std::span<const index_t> tets) {
   slivers_.clear();
   sides_.clear();
-  labels_.clear();
+  cuts_.clear();
+  labelled_inside_.clear();
   fit_ = {};
   if (tets.empty()) return {"it has no tetrahedra"};
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -251,10 +254,10 @@ inline ComplexBuilder::Refusal ComplexBuilder::add_side(const std::array<index_t
         return adjacency_.neighbours[tet][f];
     return no_index;
   };
-  const auto label = [&](int diagonal, int i) {
-    const OpenQuad q{quad, 0, diagonal, false, false};
-    const auto found = face_label_.find(face_key(q.triangle(i)));
-    return found == face_label_.end() ? no_index : found->second;
+  const auto triangle = [&](int diagonal, int i) { return OpenQuad{quad, 0, diagonal, false, false}.triangle(i); };
+  const auto labelled = [&](int diagonal, int i) -> const LabelledFace* {
+    const auto found = label_at_.find(face_key(triangle(diagonal, i)));
+    return found == label_at_.end() ? nullptr : found->second;
   };
   Side side{quad, {}, inner_diagonal, inner_tets[0]};
   for (std::size_t i = 0; i < 2; ++i) side.outer[i] = beyond(inner_tets[i], inner_diagonal, static_cast<int>(i));
@@ -263,19 +266,28 @@ inline ComplexBuilder::Refusal ComplexBuilder::add_side(const std::array<index_t
   if (has_sliver) {
     if (side.outer[1] != sliver) return {"its tetrahedra do not fill it"};
     if (owner_[sliver] != no_index) return {"a tetrahedron of the other lies in one of its faces", owner_[sliver]};
+    if (region(sliver) != region(inner_tets[0])) return {"it lies in two regions"};
+    if (labelled(inner_diagonal, 0) || labelled(inner_diagonal, 1)) return {"a labelled face lies inside"};
     slivers_.push_back(sliver);
     side.outer_diagonal = 1 - inner_diagonal;
     for (int i = 0; i < 2; ++i) side.outer[static_cast<std::size_t>(i)] = beyond(sliver, side.outer_diagonal, i);
   }
-  if (!face_label_.empty()) {
+  if (!label_at_.empty()) {
     // Of the cut that the face shows; a labelled triangle of the other cut, if there is one, belongs to another cell.
     const int shown = side.outer_diagonal;
-    if (label(shown, 0) != label(shown, 1)) return {"one of its faces lies on two labelled patches"};
-    if (label(shown, 0) != no_index)
+    const LabelledFace *const one = labelled(shown, 0), *const two = labelled(shown, 1);
+    if ((one != nullptr) != (two != nullptr) || (one && one->label != two->label))
+      return {"one of its faces lies on two labelled patches"};
+    if (one) {
+      const bool outward = rotated(one->vertices) == rotated(triangle(shown, 0));
       for (int i = 0; i < 2; ++i) {
-        const OpenQuad other{quad, 0, 1 - shown, false, false};
-        labels_.push_back({other.triangle(i), label(shown, 0)});
+        auto other = triangle(1 - shown, i);
+        if (side.outer[0] != no_index) labelled_inside_.push_back(face_key(other));
+        if (!outward) std::swap(other[0], other[2]);
+        cuts_.push_back({{other, one->label}, face_key(one->vertices)});
       }
+      if (side.outer[0] != no_index) labelled_inside_.push_back(face_key(quad));
+    }
   }
 
   const State first = state(side.outer[0]), second = state(side.outer[1]);

@@ -40,7 +40,7 @@ public:
     }
   }
 
-  /// Closes every open quadrilateral.
+  /// Closes every open quadrilateral, or leaves open those that no cell can be put before.
   void close_all() {
     for (const double quality : {0.4, 0.3, 0.2}) for_each_open([&](index_t quad) { raise_to_vertex(quad, quality); });
     for (const double quality : {0.3, 0.2, 0.1, floor_, 1e-3})
@@ -163,16 +163,13 @@ private:
   }
 
   bool fill_from_new_vertex(const Cavity& cavity, const Vector3& point, std::size_t& counter) {
-    const index_t vertex = complex_.add_vertex(point, false);
-    if (filler_.fill(cavity, vertex) == 0) {
-      complex_.remove_last_vertex();
-      return false;
-    }
+    if (!filler_.fill_from_new_vertex(cavity, point)) return false;
     ++counter;
     return true;
   }
 
-  /// Splits the cell behind from its centre, or takes it back into its tetrahedra.
+  /// Splits the cell behind from its centre, or takes it back into its tetrahedra. When all of that fails the
+  /// quadrilateral stays open.
   void give_up(index_t quad, double least_quality) {
     if (raise_to_vertex(quad, 0.1) || raise_to_new_vertex(quad, least_quality)) return;
     const index_t cell = complex_.open_quads[quad].cell;
@@ -181,7 +178,7 @@ private:
       ++statistics_.n_dissolved;
       return;
     }
-    split(cell, 0.0);
+    static_cast<void>(split(cell, 0.0));  // what stays open is looked at when all is done
   }
 
   bool split(index_t cell, double least_quality) {

@@ -13,9 +13,10 @@ struct Originals {
   const PotentialHexahedra& hexahedra;
   const PotentialPrisms& prisms;
 
-  std::span<const index_t> tets_of(const CellComplex::Cell& cell) const {
-    return cell.kind == CellKind::hexahedron ? hexahedra.tets[cell.source] : prisms.tets[cell.source];
+  std::span<const index_t> tets_of(CellKind kind, index_t source) const {
+    return kind == CellKind::hexahedron ? hexahedra.tets[source] : prisms.tets[source];
   }
+  std::span<const index_t> tets_of(const CellComplex::Cell& cell) const { return tets_of(cell.kind, cell.source); }
 
   /// The tetrahedron outside a cell whose corners are those of one of its quadrilaterals, or `no_index`.
   index_t face_sliver(std::span<const index_t> tets, const std::array<index_t, 4>& quad) const {
@@ -95,7 +96,8 @@ inline bool dissolve(CellComplex& complex, CavityFiller& filler, const Originals
     if (complex.cells[side.neighbour].kind != CellKind::pyramid) continue;
     Cavity cavity;
     cavity.cells = {side.neighbour};
-    if (filler.build(cavity)) filler.fill(cavity, complex.cells[side.neighbour].corners[4]);
+    // A pyramid that cannot be cut stays open, for the closer to try otherwise.
+    if (filler.build(cavity)) static_cast<void>(filler.fill(cavity, complex.cells[side.neighbour].corners[4]));
   }
   return true;
 }

@@ -11,7 +11,9 @@ namespace framehex::detail {
 ///
 /// A quadrilateral can then meet a quadrilateral only, so that a hexahedron in front of tetrahedra must go. One that is
 /// open on one side, or on two opposite ones whose diagonals agree, becomes two prisms, and the next hexahedron in the
-/// row is open in its turn until the row ends on the boundary; any other goes back to tetrahedra.
+/// row is open in its turn until the row ends on the boundary; any other goes back to tetrahedra. A hexahedron that cannot,
+/// because neighbours are cut along other diagonals, is joined to a new vertex at its centre; where no centre sees all its
+/// triangles the quadrilateral stays open.
 class PyramidFreeCloser {
 public:
   PyramidFreeCloser(CellComplex& complex, const Originals& originals, double quality_floor,
@@ -32,8 +34,7 @@ public:
         ++statistics_.n_split;
       } else if (dissolve(complex_, filler_, originals_, cell)) {
         ++statistics_.n_dissolved;
-      } else {
-        shatter(cell);
+      } else if (shatter(cell)) {
         ++statistics_.n_split;
       }
     }
@@ -104,28 +105,37 @@ private:
   }
 
   /// Cuts all faces in triangles and joins them to a new vertex at the centre.
-  void shatter(index_t id) {
+  /// @return false, with nothing changed, when there is no place for it.
+  bool shatter(index_t id) {
     struct Cut {
       std::array<index_t, 4> face;
-      index_t neighbour, end;
+      index_t neighbour;
     };
     std::vector<Cut> cuts;
     for (std::size_t f = 0; f < complex_.n_faces(id); ++f) {
       const auto face = complex_.face(id, f);
       if (face[3] == no_index || complex_.open_quad_at(face) != no_index) continue;
-      cuts.push_back({face, complex_.across(id, face), face[0]});
+      cuts.push_back({face, complex_.across(id, face)});
       complex_.add_open_quad({face, id, 0, false, true});
     }
+    if (!fill_from_centre(id)) {
+      for (const Cut& cut : cuts) complex_.close_quad(complex_.open_quad_at(cut.face));
+      return false;
+    }
+    for (const Cut& cut : cuts) open_across(cut.face, cut.neighbour, cut.face[0]);
+    return true;
+  }
+
+  bool fill_from_centre(index_t id) {
     Cavity cavity;
     cavity.cells = {id};
-    filler_.build(cavity);
+    if (!filler_.build(cavity)) return false;
     Vector3 centre = Vector3::Zero();
     const auto corners = complex_.corners(id);
     for (const index_t v : corners) centre += complex_.points[v] / static_cast<double>(corners.size());
     const double size = (complex_.points[corners[0]] - centre).norm();
     filler_.improve_point(cavity, centre, 0.2 * size, filler_.evaluate(cavity, centre, no_index));
-    filler_.fill(cavity, complex_.add_vertex(centre, false));
-    for (const Cut& cut : cuts) open_across(cut.face, cut.neighbour, cut.end);
+    return filler_.fill_from_new_vertex(cavity, centre);
   }
 
   CellComplex& complex_;

@@ -86,11 +86,7 @@ private:
 
   bool commit(std::size_t& counter) {
     if (best_quality_ <= 0) return false;
-    const index_t vertex = complex_.add_vertex(best_point_, false);
-    if (filler_.fill(best_, vertex) == 0) {
-      complex_.remove_last_vertex();
-      return false;
-    }
+    if (!filler_.fill_from_new_vertex(best_, best_point_)) return false;
     ++counter;
     return true;
   }

@@ -2,11 +2,9 @@
 #pragma once
 
 #include "framehex/config.hpp"
-#include "framehex/errors.hpp"
+#include "framehex/option_ranges.hpp"
 
-#include <cmath>
 #include <span>
-#include <sstream>
 #include <string>
 
 namespace framehex::detail {
@@ -19,11 +17,8 @@ std::span<const T> one_each(std::span<const T> values, std::size_t n, const char
                        " " + entities);
 }
 
-inline void check_factor(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  std::ostringstream message;
-  message << name << " is " << value << " but must be from " << low << " to " << high;
-  throw invalid_option(message.str());
+inline void check_link_distance(double link_distance, double rejection) {
+  RangeCheck{}("link_distance", link_distance, 0, rejection);
 }
 
 }  // namespace framehex::detail

@@ -190,7 +190,7 @@ private:
         }
         if (is_crossed_again(t.facet(i))) continue;
         const index_t next = input_->adjacency().neighbours[tet][i];
-        if (next == no_index) return false;
+        if (next == no_index || input_->patch(tet, i) != no_index) return false;
         if (std::find(tets.begin(), tets.end(), next) == tets.end() && !enter(next)) return false;
       }
     }
@@ -290,8 +290,9 @@ private:
     if (sliver == no_index || sliver != behind(exits[1]) || look_at(sliver).kind() != OnCorners::face_sliver)
       return keeps_boundary_rule(exits[0].tet, static_cast<std::size_t>(exits[0].facet), exits[1].tet,
                                  static_cast<std::size_t>(exits[1].facet));
-    const FinderOptions& options = input_->options();
-    if (!options.regions.empty() && options.regions[sliver] != options.regions[tets[0]]) return false;
+    // It would vanish from behind the border of its own region, or from behind a patch.
+    for (const Exit& e : exits)
+      if (input_->is_boundary(e.tet, static_cast<std::size_t>(e.facet))) return false;
     slivers.push_back(sliver);
     // Behind a face sliver the outer triangles are its two facets that do not face the cell.
     std::array<std::size_t, 2> outer{};
@@ -313,12 +314,9 @@ private:
   }
 
   bool keeps_boundary_rule(index_t tet0, std::size_t facet0, index_t tet1, std::size_t facet1) const {
-    const FinderOptions& options = input_->options();
-    if (options.boundary_rule == BoundaryRule::ignore) return true;
-    const bool outside = input_->is_boundary(tet0, facet0);
-    if (outside != input_->is_boundary(tet1, facet1)) return false;
-    return !outside || options.facet_patches.empty() ||
-           options.facet_patches[tet0][facet0] == options.facet_patches[tet1][facet1];
+    if (input_->patch(tet0, facet0) != input_->patch(tet1, facet1)) return false;
+    return input_->options().boundary_rule == BoundaryRule::ignore ||
+           input_->is_boundary(tet0, facet0) == input_->is_boundary(tet1, facet1);
   }
 
   bool keeps_features(const Vertices& vertices) const {

@@ -64,10 +64,16 @@ public:
   const VertexLinks& links() const { return links_; }
   const FeatureEdges& features() const { return features_; }
 
-  /// Whether a facet separates its tetrahedron from the outside or from another region.
+  /// Whether a facet separates its tetrahedron from the outside or from another region, or lies on a patch.
   bool is_boundary(index_t tet, std::size_t facet) const {
     const index_t next = adjacency_->neighbours[tet][facet];
-    return next == no_index || (!options_.regions.empty() && options_.regions[next] != options_.regions[tet]);
+    return next == no_index || (!options_.regions.empty() && options_.regions[next] != options_.regions[tet]) ||
+           patch(tet, facet) != no_index;
+  }
+
+  /// Label of the patch that a facet lies on, or `no_index`.
+  index_t patch(index_t tet, std::size_t facet) const {
+    return options_.facet_patches.empty() ? no_index : options_.facet_patches[tet][facet];
   }
 
 private:
@@ -78,8 +84,7 @@ private:
   /// Checks the input; nothing when the options bring an adjacency.
   template <TetMesh Mesh>
   static std::unique_ptr<TetAdjacency> own_adjacency(const Mesh& mesh, const FinderOptions& options) {
-    if (!(options.quality_floor >= 0 && options.quality_floor <= 1))
-      throw invalid_option("quality_floor " + std::to_string(options.quality_floor) + " is not within 0 and 1");
+    check_options(options);
     const bool checks = options.input_check == InputCheck::validate;
     if (options.adjacency == nullptr)
       return std::make_unique<TetAdjacency>(checks ? validated_adjacency(mesh) : make_adjacency(mesh));

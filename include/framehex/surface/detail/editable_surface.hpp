@@ -298,6 +298,7 @@ private:
     feature[h] = feature[g] = flag;
   }
   index_t add_triangle(index_t like) {
+    check_count(corners.size() + 1, TriangleAdjacency::most_triangles, "triangles");
     const auto t = static_cast<index_t>(corners.size());
     corners.push_back({no_index, no_index, no_index});
     opposite.insert(opposite.end(), 3, no_index);
