@@ -5,14 +5,15 @@
 
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 using namespace framehex;
 
 TEST_CASE("each block is run once, with a worker of its own at a time", "[executor]") {
-  for (const std::size_t n_threads : {1, 2, 3, 7}) {
+  for (const std::size_t n_threads : std::vector<std::size_t>{1, 2, 3, 7}) {
     const ThreadExecutor executor(n_threads);
     REQUIRE(executor.workers() == n_threads);
-    for (const std::size_t n_blocks : {0, 1, 2, 5, 1000}) {
+    for (const std::size_t n_blocks : std::vector<std::size_t>{0, 1, 2, 5, 1000}) {
       std::vector<std::atomic<int>> runs(n_blocks), inside(n_threads);
       std::atomic<bool> shared{false};
       executor(n_blocks, [&](std::size_t block, std::size_t worker) {
