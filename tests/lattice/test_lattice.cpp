@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/field/compute_frame_field.hpp"
 #include "framehex/lattice/periodic_parameterization.hpp"
-#include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "support/surfaces.hpp"
 #include "support/unstructured.hpp"
@@ -22,23 +21,21 @@ struct Body {
   IndexedTetMesh mesh;
   TetAdjacency adjacency;
   BoundarySurface boundary;
-  TriangleAdjacency surface_adjacency;
-  FeatureGraph features;
+  Surface surface;
   std::vector<Quaternion> frames;
 
   explicit Body(IndexedTetMesh tets)
       : mesh(std::move(tets)),
         adjacency(make_adjacency(mesh)),
         boundary(extract_boundary(mesh, adjacency)),
-        surface_adjacency(make_adjacency(boundary.surface)),
-        features(detect_features(boundary.surface, surface_adjacency, {})),
+        surface(boundary.surface),
         frames(mesh.points.size(), Quaternion::Identity()) {}
 
   template <class E = SerialExecutor>
   LatticePoints lattice(double size, LatticeReport* report = nullptr, const E& executor = {},
                         const LatticeOptions& options = {}) const {
-    return place_lattice(adjacency, mesh.points, frames, boundary.surface, surface_adjacency, features,
-                         ConstantSize{size}, options, executor, report, boundary.vertex_of);
+    return place_lattice(adjacency, mesh.points, frames, surface, ConstantSize{size}, options, executor, report,
+                         boundary.vertex_of);
   }
 };
 
@@ -100,9 +97,9 @@ TEST_CASE("sides between two multiples of the size get the nearest whole number 
 
 TEST_CASE("the scale of the axes makes a polar grid integrable: a tube has as many points inside as outside") {
   const double inner = 0.25, outer = 0.55, size = 0.1;
-  const IndexedTriangleMesh tube = test::tube_surface(inner, outer, 1, 48);
-  const FeatureGraph features = detect_features(tube, make_adjacency(tube), {});
-  Body body(test::filled(refine(tube, features, [=](const Vector3&) { return size; }).surface, 1e-4));
+  const Surface tube(test::tube_surface(inner, outer, 1, 48));
+  const Surface fine = refine(tube, [=](const Vector3&) { return size; }).surface;
+  Body body(test::filled({fine.points, fine.triangles()}, 1e-4));
   for (std::size_t v = 0; v < body.frames.size(); ++v) {
     const Vector3& p = body.mesh.points[v];
     body.frames[v] = Quaternion(Eigen::AngleAxisd(std::atan2(p.y(), p.x()), Vector3::UnitZ()));
@@ -194,12 +191,11 @@ TEST_CASE("a line forced to whole coordinates has them") {
   body.frames = compute_frame_field(body.mesh).frames();
   const std::vector<double> sizes(body.frames.size(), 0.1);
   const LatticeGraph graph(body.adjacency, body.mesh.points, body.frames);
-  const BoundaryAxes boundary =
-      find_boundary_axes(graph, body.boundary.surface, body.surface_adjacency, body.features, body.boundary.vertex_of);
+  const BoundaryAxes boundary = find_boundary_axes(graph, body.surface, body.boundary.vertex_of);
   std::vector<Vector3> scale;
   REQUIRE(scale_axes(graph, sizes, scale));
   std::vector<Vector3> steps = lattice_steps(graph, scale, ConstantSize{0.1});
-  const auto tangent = tangent_edges(graph, body.boundary.surface, boundary, body.boundary.vertex_of);
+  const auto tangent = tangent_edges(graph, body.surface, boundary, body.boundary.vertex_of);
   project_steps(graph, steps, tangent);
   PhaseSolver solver(graph, steps, boundary.whole, tangent, sizes);
   const SingularLines lines(graph, scale, sizes);
@@ -222,9 +218,8 @@ TEST_CASE("a size that grows tenfold is followed step by step, without a disloca
   Body body(test::filled(test::box_surface({4, 1, 1}, 20, 5, 5), 2e-3));
   const auto size = [](const Vector3& p) { return 0.05 * std::pow(10, p.x() / 4); };
   LatticeReport report;
-  const LatticePoints lattice =
-      place_lattice(body.adjacency, body.mesh.points, body.frames, body.boundary.surface, body.surface_adjacency,
-                    body.features, size, {}, SerialExecutor{}, &report, body.boundary.vertex_of);
+  const LatticePoints lattice = place_lattice(body.adjacency, body.mesh.points, body.frames, body.surface, size, {},
+                                              SerialExecutor{}, &report, body.boundary.vertex_of);
   CHECK(lattice.interior.size() > 100);
   CHECK(lattice.complete_volume > 0.5);
   CHECK(report.projection.closure_after < report.projection.closure_before);

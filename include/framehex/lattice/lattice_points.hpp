@@ -5,7 +5,6 @@
 #include "framehex/lattice/boundary_axes.hpp"
 #include "framehex/lattice/lattice_map.hpp"
 #include "framehex/lattice/singular_points.hpp"
-#include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
 namespace framehex {
@@ -83,12 +82,12 @@ void for_each_whole_point(const std::array<Eigen::Matrix<double, N - 1, 1>, N>& 
 /// Finds the points of the lattice on all parts of a mesh.
 class LatticeExtraction {
 public:
-  LatticeExtraction(const LatticeMap& map, const IndexedTriangleMesh& surface, const FeatureGraph& features,
-                    const BoundaryAxes& boundary, std::span<const double> sizes, std::span<const index_t> vertex_of)
+  LatticeExtraction(const LatticeMap& map, const Surface& surface, const BoundaryAxes& boundary,
+                    std::span<const double> sizes, std::span<const index_t> vertex_of)
       : map_(map),
         graph_(map.graph()),
         surface_(surface),
-        features_(features),
+        features_(surface.features),
         boundary_(boundary),
         sizes_(sizes),
         vertex_of_(vertex_of),
@@ -109,7 +108,7 @@ private:
 
   void find_in_tets() {
     std::vector<std::uint8_t> on_surface(graph_.n_vertices(), 0);
-    for (const auto& t : surface_.triangles)
+    for (const auto& t : surface_.triangles())
       for (const index_t v : t) on_surface[in_mesh(v)] = 1;
     result_.complete_tets.assign(graph_.tets().size(), 0);
     double volume = 0, complete = 0;
@@ -146,9 +145,9 @@ private:
   }
 
   void find_on_triangles() {
-    result_.complete_triangles.assign(surface_.triangles.size(), 0);
-    for (index_t triangle = 0; triangle < surface_.triangles.size(); ++triangle) {
-      const auto& s = surface_.triangles[triangle];
+    result_.complete_triangles.assign(surface_.triangles().size(), 0);
+    for (index_t triangle = 0; triangle < surface_.triangles().size(); ++triangle) {
+      const auto& s = surface_.triangles()[triangle];
       const std::array<index_t, 3> t{in_mesh(s[0]), in_mesh(s[1]), in_mesh(s[2])};
       const std::uint8_t normal = boundary_.normal_axis[3 * triangle];
       if (normal == BoundaryAxes::none || !graph_.is_regular(t)) continue;
@@ -183,7 +182,7 @@ private:
     for (const SingularPoint& s : singular.interior)
       if (inside_.add(s.point, size(s.vertex))) result_.interior.push_back(s.point);
     for (const SurfacePoint& s : singular.surface)
-      add_on_surface(s.point, s.triangle, size(in_mesh(surface_.triangles[s.triangle][0])));
+      add_on_surface(s.point, s.triangle, size(in_mesh(surface_.triangles()[s.triangle][0])));
   }
 
   /// Follows the axis along the tangent: whole coordinates where it has grown past them.
@@ -237,7 +236,7 @@ private:
 
   const LatticeMap& map_;
   const LatticeGraph& graph_;
-  const IndexedTriangleMesh& surface_;
+  const Surface& surface_;
   const FeatureGraph& features_;
   const BoundaryAxes& boundary_;
   std::span<const double> sizes_;
@@ -255,13 +254,12 @@ private:
 /// @param vertex_of  surface vertex -> vertex of the mesh; empty: the same number.
 /// @return points no two of which, on one patch or inside, are within half a size.
 /// @par Complexity   O(tetrahedra + points); the same for any executor.
-inline LatticePoints extract_lattice_points(const LatticeMap& map, const IndexedTriangleMesh& surface,
-                                            const FeatureGraph& features, const BoundaryAxes& boundary,
+inline LatticePoints extract_lattice_points(const LatticeMap& map, const Surface& surface, const BoundaryAxes& boundary,
                                             std::span<const double> sizes, const SingularPoints& singular = {},
                                             std::span<const index_t> vertex_of = {}) {
   if (map.graph().n_vertices() == 0) return {};
   if (sizes.size() != map.graph().n_vertices()) throw invalid_option("there is not one size for each vertex");
-  return detail::LatticeExtraction(map, surface, features, boundary, sizes, vertex_of).run(singular);
+  return detail::LatticeExtraction(map, surface, boundary, sizes, vertex_of).run(singular);
 }
 
 }  // namespace framehex

@@ -32,12 +32,12 @@ std::vector<Vector3> lattice_steps(const LatticeGraph& graph, std::span<const Ve
 }
 
 /// Edges that run along the boundary take no step along its normal: those components, one bit an axis, per edge.
-inline std::vector<AxisMask> tangent_edges(const LatticeGraph& graph, const IndexedTriangleMesh& surface,
+inline std::vector<AxisMask> tangent_edges(const LatticeGraph& graph, const Surface& surface,
                                            const BoundaryAxes& boundary, std::span<const index_t> vertex_of = {}) {
   std::vector<AxisMask> result(graph.n_edges(), 0);
   for (std::size_t corner = 0; corner < boundary.normal_axis.size(); ++corner) {
     const std::size_t next = corner % 3 == 2 ? corner - 2 : corner + 1;
-    index_t v = surface.triangles[corner / 3][corner % 3], w = surface.triangles[next / 3][next % 3];
+    index_t v = surface.triangles()[corner / 3][corner % 3], w = surface.triangles()[next / 3][next % 3];
     if (!vertex_of.empty()) v = vertex_of[v], w = vertex_of[w];
     std::uint8_t at_v = boundary.normal_axis[corner], at_w = boundary.normal_axis[next];
     if (v > w) std::swap(v, w), std::swap(at_v, at_w);

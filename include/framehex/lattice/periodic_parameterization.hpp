@@ -28,7 +28,7 @@ struct LatticeReport {
 /// of the axes, steps along edges and their projection, phases, singular lines, points with whole coordinates.
 ///
 /// @param adjacency, points, frames  tetrahedral mesh and a unit quaternion per vertex.
-/// @param surface, surface_adjacency, features  its boundary.
+/// @param surface    its boundary.
 /// @param size       wished step at a point, host's unit, > 0.
 /// @param report     receives what the steps found, when given.
 /// @param vertex_of  surface vertex -> vertex of the mesh; empty: the same number.
@@ -40,8 +40,7 @@ struct LatticeReport {
 ///                   of the steps before, which make them integrable; rounding after.
 template <SizeField Size, Executor E = SerialExecutor>
 LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vector3> points,
-                            std::span<const Quaternion> frames, const IndexedTriangleMesh& surface,
-                            const TriangleAdjacency& surface_adjacency, const FeatureGraph& features, const Size& size,
+                            std::span<const Quaternion> frames, const Surface& surface, const Size& size,
                             LatticeOptions options = {}, const E& executor = {}, LatticeReport* report = nullptr,
                             std::span<const index_t> vertex_of = {}) {
   if (!(options.step_factor > 0)) throw invalid_option("the factor of the steps must be positive");
@@ -55,7 +54,7 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   for (const Vector3& p : points) sizes.push_back(scaled_size(p));
 
   const LatticeGraph graph(adjacency, points, frames);
-  const BoundaryAxes boundary = find_boundary_axes(graph, surface, surface_adjacency, features, vertex_of);
+  const BoundaryAxes boundary = find_boundary_axes(graph, surface, vertex_of);
   r.status = Status::cancelled;
   std::vector<Vector3> scale;
   if (!scale_axes(graph, sizes, scale, options.scale, executor)) return {};
@@ -71,8 +70,7 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   if (r.phases.status == Status::cancelled) return {};
   r.status = Status::complete;
   const SingularPoints singular = find_singular_points(graph, lines, phases, surface, sizes);
-  return extract_lattice_points(LatticeMap(graph, steps, phases), surface, features, boundary, sizes, singular,
-                                vertex_of);
+  return extract_lattice_points(LatticeMap(graph, steps, phases), surface, boundary, sizes, singular, vertex_of);
 }
 
 }  // namespace framehex

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/lattice/singular_phases.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
 namespace framehex {
@@ -23,7 +24,7 @@ namespace detail {
 class SingularPointFinder {
 public:
   SingularPointFinder(const LatticeGraph& graph, const SingularLines& lines, const std::vector<Vector3>& phases,
-                      const IndexedTriangleMesh& surface, std::span<const double> sizes)
+                      const Surface& surface, std::span<const double> sizes)
       : graph_(graph), lines_(lines), phases_(phases), surface_(surface), sizes_(sizes) {}
 
   SingularPoints run() {
@@ -118,7 +119,7 @@ private:
   const LatticeGraph& graph_;
   const SingularLines& lines_;
   const std::vector<Vector3>& phases_;
-  const IndexedTriangleMesh& surface_;
+  const Surface& surface_;
   std::span<const double> sizes_;
   std::optional<SurfaceLocator> locator_;
   SingularPoints result_;
@@ -131,7 +132,7 @@ private:
 ///
 /// @par Complexity   O(singular facets).
 inline SingularPoints find_singular_points(const LatticeGraph& graph, const SingularLines& lines,
-                                           const std::vector<Vector3>& phases, const IndexedTriangleMesh& surface,
+                                           const std::vector<Vector3>& phases, const Surface& surface,
                                            std::span<const double> sizes) {
   return detail::SingularPointFinder(graph, lines, phases, surface, sizes).run();
 }
