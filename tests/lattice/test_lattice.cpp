@@ -205,7 +205,7 @@ TEST_CASE("a line forced to whole coordinates has them") {
   std::vector<Vector3> phases;
   solver.solve(phases, targets);
   for (const auto& line : lines.lines()) {
-    CHECK(lines.parity(line, phases) > 0.7);
+    CHECK(lines.parity(line, phases) > 0.5);
     CHECK(line.length == Approx(10).epsilon(0.2));
     CHECK(line.index == 0.25);
   }

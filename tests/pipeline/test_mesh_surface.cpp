@@ -99,7 +99,7 @@ static_assert(TriangleMesh<HostSurface>);
 
 TEST_CASE("a box at a size that divides its sides is all hexahedra, however it is turned, in every variant") {
   const auto turn = GENERATE(0.0, 0.7);
-  const auto order = GENERATE(PointOrder::fifo, PointOrder::smoothness);
+  const auto order = GENERATE(PointOrder::fifo, PointOrder::smoothness, PointOrder::lattice);
   const auto method = GENERATE(FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best);
   MeshingOptions options;
   options.order = order;
