@@ -23,7 +23,7 @@ SurfaceInsertion fill_lattice_surface(const Surface& surface, std::span<const Qu
   options.rounds = 0;
   SurfaceInserter<Order, Size> inserter(surface, frames, smoothness, curves, size, options, std::move(order));
   for (const SurfaceSample& sample : lattice.surface) inserter.add_sample(sample.entity, sample.point);
-  return inserter.finish();
+  return std::move(inserter).finish();
 }
 
 /// Fills a domain with the points of a lattice, and with those of a front where the lattice has none.
@@ -43,7 +43,7 @@ VolumeInsertion fill_lattice_volume(std::span<const BoundarySeed> seeds, const F
   };
   VolumeInserter<Order, Frames, Size, D> inserter(frames, size, domain, seeds, options, std::move(order));
   for (const Vector3& p : lattice.interior) inserter.add_point(p);
-  return inserter.finish();
+  return std::move(inserter).finish();
 }
 
 }  // namespace framehex

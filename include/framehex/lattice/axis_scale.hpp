@@ -16,6 +16,17 @@ struct AxisScaleOptions {
   double tolerance = 1e-3;    ///< of the solution
   int max_iterations = 3000;
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("AxisScaleOptions::longest", o.longest, 1, largest_finite);
+    visit("AxisScaleOptions::shortest", o.shortest, least_positive, 1);
+    visit("AxisScaleOptions::smoothness", o.smoothness, 0, largest_finite);
+    visit("AxisScaleOptions::conformance", o.conformance, least_positive, largest_finite);
+    visit("AxisScaleOptions::reach", o.reach, least_positive, largest_finite);
+    visit("AxisScaleOptions::tolerance", o.tolerance, least_positive, 1);
+    visit("AxisScaleOptions::max_iterations", o.max_iterations, 0, unbounded);
+  }
 };
 
 namespace detail {
@@ -87,9 +98,7 @@ template <Executor E = SerialExecutor>
 bool scale_axes(const LatticeGraph& graph, std::span<const double> sizes, std::vector<Vector3>& scale,
                 const AxisScaleOptions& options = {}, const E& executor = {}) {
   if (sizes.size() != graph.n_vertices()) throw invalid_option("there is not one size for each vertex");
-  if (!(options.longest >= 1) || !(options.shortest > 0 && options.shortest <= 1) || !(options.conformance > 0) ||
-      !(options.smoothness >= 0) || !(options.reach > 0))
-    throw invalid_option("bounds of the axes' scale must be positive and on either side of 1");
+  check_options(options);
   const std::size_t n = graph.n_vertices();
   const double low = -std::log(options.longest), high = -std::log(options.shortest);
   std::vector<double> log_size(n), mass(n);

@@ -4,6 +4,7 @@
 #include "framehex/field/detail/laplace_solver.hpp"
 #include "framehex/field/detail/representatives.hpp"
 #include "framehex/field/singular_graph.hpp"
+#include "framehex/option_ranges.hpp"
 
 #include <algorithm>
 #include <array>

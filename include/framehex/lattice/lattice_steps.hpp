@@ -53,6 +53,13 @@ struct StepProjectionOptions {
   double tolerance = 1e-4;
   int max_iterations = 1500;
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("StepProjectionOptions::stiffness", o.stiffness, 0, largest_finite);
+    visit("StepProjectionOptions::tolerance", o.tolerance, least_positive, 1);
+    visit("StepProjectionOptions::max_iterations", o.max_iterations, 0, unbounded);
+  }
 };
 
 struct StepProjectionReport {
@@ -259,8 +266,7 @@ StepProjectionReport project_steps(const LatticeGraph& graph, std::vector<Vector
                                    const E& executor = {}) {
   if (steps.size() != graph.n_edges() || fixed.size() != steps.size())
     throw invalid_option("steps and masks are not one for each edge");
-  if (!(options.stiffness >= 0) || !(options.tolerance > 0))
-    throw invalid_option("the projection of steps needs a stiffness and a tolerance that are not negative");
+  check_options(options);
   return detail::StepProjection<E>(graph, fixed, options, executor).run(steps);
 }
 

@@ -15,6 +15,15 @@ struct LatticeOptions {
   SingularPhaseOptions singular = {};
   double step_factor = 1;  ///< > 0: steps in sizes, on the whole
   Observer observer = {};  ///< replaces those of the steps when set
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    AxisScaleOptions::each_number(o.scale, visit);
+    StepProjectionOptions::each_number(o.projection, visit);
+    PhaseOptions::each_number(o.phases, visit);
+    SingularPhaseOptions::each_number(o.singular, visit);
+    visit("LatticeOptions::step_factor", o.step_factor, least_positive, largest_finite);
+  }
 };
 
 struct LatticeReport {
@@ -43,7 +52,7 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
                             std::span<const Quaternion> frames, const Surface& surface, const Size& size,
                             LatticeOptions options = {}, const E& executor = {}, LatticeReport* report = nullptr,
                             std::span<const index_t> vertex_of = {}) {
-  if (!(options.step_factor > 0)) throw invalid_option("the factor of the steps must be positive");
+  check_options(options);
   if (options.observer)
     options.scale.observer = options.projection.observer = options.phases.observer = options.observer;
   LatticeReport unused;

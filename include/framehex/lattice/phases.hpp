@@ -23,6 +23,13 @@ struct PhaseOptions {
   int max_iterations = 3000;
   int max_roundings = 6;  ///< solutions with fixed jumps, each followed by rounding the jumps anew
   Observer observer = {};
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("PhaseOptions::tolerance", o.tolerance, least_positive, 1);
+    visit("PhaseOptions::max_iterations", o.max_iterations, 0, unbounded);
+    visit("PhaseOptions::max_roundings", o.max_roundings, 1, unbounded);
+  }
 };
 
 struct PhaseReport {
@@ -70,6 +77,7 @@ public:
         coordinates_(graph, masses(graph, sizes)) {
     if (steps.size() != graph.n_edges() || tangent.size() != steps.size() || whole.size() != graph.n_vertices())
       throw invalid_option("steps and masks are not one for each edge and vertex");
+    check_options(options_);
     integrate_along_tree();
     stiffness_.assign(graph.n_vertices(), Vector3::Zero());
     for (index_t e = 0; e < graph.n_edges(); ++e) {

@@ -136,6 +136,13 @@ struct SingularPhaseOptions {
   int max_trials = 3;               ///< solves with lines forced to whole coordinates
   double defect_cost = 5;           ///< of a cube of the size through which dislocations pass, in sizes of half line
   double negative_line_cost = 1.7;  ///< of a half line of index -1/4 beside one of 1/4: its column has five sides
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    visit("SingularPhaseOptions::max_trials", o.max_trials, 0, unbounded);
+    visit("SingularPhaseOptions::defect_cost", o.defect_cost, 0, largest_finite);
+    visit("SingularPhaseOptions::negative_line_cost", o.negative_line_cost, 0, largest_finite);
+  }
 };
 
 struct SingularPhaseReport {
@@ -270,6 +277,7 @@ PhaseReport solve_singular_phases(PhaseSolver<E>& solver, const LatticeGraph& gr
                                   const SingularLines& lines, std::span<const AxisMask> whole,
                                   std::span<const double> sizes, std::vector<Vector3>& phases,
                                   SingularPhaseReport& report, const SingularPhaseOptions& options = {}) {
+  check_options(options);
   return detail::SingularPhaseChoice<E>(graph, steps, lines, whole, sizes, options).run(solver, phases, report);
 }
 

@@ -64,6 +64,7 @@ struct MeshingOptions {
     FeatureOptions::each_number(o.features, visit);
     CrossFieldOptions::each_number(o.cross_field, visit);
     FieldOptions::each_number(o.field, visit);
+    LatticeOptions::each_number(o.lattice, visit);
     CurveOptions::each_number(o.curves, visit);
     SurfaceOptions::each_number(o.surface, visit);
     RetriangulationOptions::each_number(o.retriangulation, visit);
