@@ -10,11 +10,6 @@
 
 namespace framehex::detail {
 
-/// An edge as a number, whichever way it runs.
-inline std::uint64_t edge_key(index_t a, index_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
 /// A triangulated surface that can be flipped, split and collapsed in place, in flat arrays.
 ///
 /// Half edge 3t+i runs from corner i of triangle t to corner i+1, as in TriangleAdjacency. A dead triangle has
