@@ -112,13 +112,14 @@ TEST_CASE("every number of every options struct is refused outside its range, an
   CHECK(check_ranges<SurfaceOptions>() == 6);
   CHECK(check_ranges<VolumeOptions>() == 7);
   CHECK(check_ranges<FinderOptions>() == 2);
-  CHECK(check_ranges<SelectOptions>() >= 7);
+  CHECK(check_ranges<SelectOptions>() == 6);
   CHECK(check_ranges<EnumerationOptions>() == 1);
   CHECK(check_ranges<TomitaOptions>() == 1);
   CHECK(check_ranges<AssemblyOptions>() == 4);
   CHECK(check_ranges<OptimizationOptions>() == 3);
-  CHECK(check_ranges<RecombineOptions>() >= 13);
-  CHECK(check_ranges<MeshingOptions>() >= 58);
+  CHECK(check_ranges<RecombineOptions>() == 12);
+  CHECK(check_ranges<LatticeOptions>() == 17);
+  CHECK(check_ranges<MeshingOptions>() == 74);
 }
 
 TEST_CASE("every stage refuses numbers outside their range") {
