@@ -45,6 +45,7 @@
 #include "framehex/surface/surface_sample.hpp"
 #include "framehex/surface/surface_walker.hpp"
 #include "framehex/tetrahedralization/background.hpp"
+#include "framehex/tetrahedralization/repeated.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 #include "framehex/field/boundary_frames.hpp"
 #include "framehex/field/compute_frame_field.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/tetgen_process.hpp"
-#include "framehex/tetrahedralization/tetrahedralizer.hpp"
+#include "framehex/tetrahedralization/repeated.hpp"
 #include "support/kuhn_lattice.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -202,5 +202,86 @@ TEST_CASE("points that come back in another order are refused, however small the
     CHECK_NOTHROW(tetrahedralize(TetgenProcess{}, cube.surface, {}));
     CHECK_THROWS_WITH(tetrahedralize(TetgenProcess{.program = program.string()}, cube.surface, {}),
                       Catch::Contains("renumbered its input at point 0"));
+  }
+}
+
+TEST_CASE("points that a tetrahedraliser added and does not use are forgotten, those that it uses are counted") {
+  const Cube cube;
+  const auto answer = [&](const TetrahedralizationRequest& request) {
+    // The first tetrahedron is cut from a point inside; points 64 and 66 of the answer stay unused.
+    TetrahedralizationResult result{.tets = cube.tets, .extra_points = std::vector<Vector3>(3, Vector3::Zero())};
+    const auto t = result.tets.front();
+    for (const index_t v : t) result.extra_points[1] += request.points[v] / 4;
+    for (std::size_t i = 0; i < 4; ++i) {
+      auto part = t;
+      part[i] = 65;
+      if (i == 0)
+        result.tets.front() = part;
+      else
+        result.tets.push_back(part);
+    }
+    return result;
+  };
+  const Tetrahedralization result = tetrahedralize(answer, cube.surface, cube.interior);
+  CHECK(result.n_extra_points == 1);
+  CHECK(result.mesh.points.size() == 65);
+  CHECK(result.mesh.tets.size() == cube.tets.size() + 3);
+  CHECK_NOTHROW(validate(result.mesh));
+}
+
+TEST_CASE("surface points nearer to each other than a hundred-millionth of the box are kept") {
+  Cube cube;
+  // An edge is cut next to its end: two points a billionth apart.
+  const auto [a, b, c] = cube.surface.triangles.front();
+  const auto n = static_cast<index_t>(cube.surface.points.size());
+  cube.surface.points.push_back(cube.surface.points[a] + 1e-9 * (cube.surface.points[b] - cube.surface.points[a]));
+  for (std::size_t i = 0, end = cube.surface.triangles.size(); i < end; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& t = cube.surface.triangles[i];
+      const index_t from = t[k], to = t[(k + 1) % 3], apex = t[(k + 2) % 3];
+      if (!(from == a && to == b) && !(from == b && to == a)) continue;
+      t = {from, n, apex};
+      cube.surface.triangles.push_back({n, to, apex});
+      break;
+    }
+  const Tetrahedralization result = tetrahedralize(TetgenProcess{}, cube.surface, cube.interior);
+  CHECK(result.n_extra_points == 0);
+  CHECK(result.mesh.points.size() == 65);
+}
+
+TEST_CASE("a tetrahedraliser that loses inner points is asked again without them") {
+  Cube cube;
+  SECTION("those that it names") {
+    cube.interior.push_back(cube.interior.front());
+    cube.interior.emplace_back(5, 5, 5);
+    const auto result = tetrahedralize_repeatedly(TetgenProcess{}, cube.surface, cube.interior);
+    CHECK(result.result.mesh.points.size() == 64);
+    REQUIRE(result.dropped.size() == 2);
+    CHECK((result.dropped[0] == 0 || result.dropped[0] == 8));
+    CHECK(result.dropped[1] == 9);
+  }
+  SECTION("those round a triangle that is lost while they are there") {
+    const Vector3 corner = cube.surface.points[cube.surface.triangles[0][0]];
+    const auto sensitive = [&](const TetrahedralizationRequest& request) {
+      TetrahedralizationResult result = TetgenProcess{}(request);
+      for (std::size_t v = request.n_surface_points; v < request.points.size(); ++v)
+        if ((request.points[v] - corner).norm() < 2) {
+          result.tets.clear();  // every triangle is lost
+          break;
+        }
+      return result;
+    };
+    const auto result = tetrahedralize_repeatedly(sensitive, cube.surface, cube.interior);
+    CHECK_FALSE(result.dropped.empty());
+    CHECK(result.result.mesh.points.size() + result.dropped.size() == 64);
+  }
+  SECTION("and not for ever") {
+    int n_asked = 0;
+    const auto failing = [&](const TetrahedralizationRequest&) -> TetrahedralizationResult {
+      ++n_asked;
+      throw tetrahedralization_error("no");
+    };
+    CHECK_THROWS_AS(tetrahedralize_repeatedly(failing, cube.surface, cube.interior), tetrahedralization_error);
+    CHECK(n_asked == 2);  // with the points and without
   }
 }

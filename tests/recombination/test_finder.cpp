@@ -7,6 +7,7 @@
 #include "support/delaunay_lattice.hpp"
 #include "support/hexahedron_symmetry.hpp"
 #include "support/kuhn_lattice.hpp"
+#include "support/void_between.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -319,4 +320,16 @@ TEST_CASE("The observer hears of progress, and may stop the search") {
   CHECK(stopped.size() < all.size());
   REQUIRE(stopped.size() > 0);
   CHECK(std::equal(stopped.vertices.begin(), stopped.vertices.end(), all.vertices.begin()));
+}
+
+TEST_CASE("Two faces with the same corners across a void are faces of no cell") {
+  const test::VoidBetween twin;
+  CHECK(find_potential_hexahedra(twin.mesh).empty());
+  // Each cube alone is one.
+  for (const std::size_t first : {0, 6}) {
+    IndexedTetMesh one{twin.mesh.points, {}};
+    one.tets.assign(twin.mesh.tets.begin() + static_cast<std::ptrdiff_t>(first),
+                    twin.mesh.tets.begin() + static_cast<std::ptrdiff_t>(first) + 6);
+    CHECK(find_potential_hexahedra(one).size() == 1);
+  }
 }

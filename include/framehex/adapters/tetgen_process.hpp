@@ -274,8 +274,9 @@ struct TetgenProcess {
   std::string program = "tetgen";  ///< looked up on the PATH
 
   /// p: fill the surface; Y: do not touch it; J: keep unused points, so that the numbering survives; O2/1: optimise by
-  /// flips only, since the other ways move points; B F Q: write less.
-  std::string switches = "-pYJO2/1BFQ";
+  /// flips only, since the other ways move points; M0/1: do not merge points within 1e-8 of the box (facets may be, as
+  /// ever); B F Q: write less.
+  std::string switches = "-pYJO2/1M0/1BFQ";
 
   TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
     const detail::TemporaryFolder folder;

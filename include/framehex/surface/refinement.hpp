@@ -38,7 +38,8 @@ struct RefinementOptions {
 
 namespace detail {
 
-/// Cuts the longest edge (in units of its allowed length) in two until none is too long.
+/// Cuts the longest edge (in units of its allowed length) in two until none is too long. A field of lengths without a
+/// lower bound would never have enough: the number of triangles is bounded.
 template <class SizeFn>
 class Refiner {
 public:

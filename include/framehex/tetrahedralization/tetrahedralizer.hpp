@@ -92,13 +92,34 @@ inline void check_boundary(const IndexedTetMesh& mesh, const TetAdjacency& adjac
                                  Entity::vertex, {t[0], t[1], t[2]});
 }
 
+/// Forgets points of the backend's own that no tetrahedron uses: TetGen lists those that it added and took back.
+inline void forget_unused_points(IndexedTetMesh& mesh, std::size_t n_wanted) {
+  std::vector<index_t> number(mesh.points.size(), no_index);
+  for (const auto& t : mesh.tets)
+    for (const index_t v : t) number[v] = v;
+  std::size_t n = n_wanted;
+  for (std::size_t v = n_wanted; v < mesh.points.size(); ++v) {
+    if (number[v] == no_index) continue;
+    number[v] = static_cast<index_t>(n);
+    mesh.points[n++] = mesh.points[v];
+  }
+  if (n == mesh.points.size()) return;
+  mesh.points.resize(n);
+  for (auto& t : mesh.tets)
+    for (index_t& v : t) v = number[v];
+}
+
 inline void check_points_used(const IndexedTetMesh& mesh) {
   std::vector<bool> used(mesh.points.size(), false);
   for (const auto& t : mesh.tets)
     for (const index_t v : t) used[v] = true;
+  std::vector<std::size_t> lost;
   for (std::size_t v = 0; v < used.size(); ++v)
-    if (!used[v])
-      throw tetrahedralization_error("tetrahedraliser: point " + std::to_string(v) + " was lost", Entity::vertex, {v});
+    if (!used[v]) lost.push_back(v);
+  if (!lost.empty())
+    throw tetrahedralization_error("tetrahedraliser: point " + std::to_string(lost.front()) + " was lost" +
+                                       (lost.size() > 1 ? ", and " + std::to_string(lost.size() - 1) + " more" : ""),
+                                   Entity::vertex, lost);
 }
 
 }  // namespace detail
@@ -110,7 +131,7 @@ inline void check_points_used(const IndexedTetMesh& mesh) {
 ///                   other (backends split the surface, or merge points, when they are).
 /// @return the mesh and its adjacency; every point is a vertex and the surface triangles are exactly the boundary. Empty when cancelled.
 /// @throws what `validate_closed` throws; `invalid_surface` from the backend; `tetrahedralization_error` naming the
-///         first tetrahedron, triangle or point that breaks the promise.
+///         first tetrahedron, the corners of the first triangle, or all points, that break the promise.
 /// @par Complexity   the backend's, and O(n log n) for the checks.
 template <Tetrahedralizer T, TriangleMesh M>
 Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::span<const Vector3> interior,
@@ -127,10 +148,12 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
   result.status = answer.status;
   if (answer.status != Status::complete) return {.mesh = {}, .adjacency = {}, .status = answer.status};
   result.mesh.tets = std::move(answer.tets);
-  result.n_extra_points = answer.extra_points.size();
   result.mesh.points.insert(result.mesh.points.end(), answer.extra_points.begin(), answer.extra_points.end());
 
   detail::check_tets(result.mesh);
+  const std::size_t n_wanted = surface.points.size() + interior.size();
+  detail::forget_unused_points(result.mesh, n_wanted);
+  result.n_extra_points = result.mesh.points.size() - n_wanted;
   result.adjacency = make_adjacency(result.mesh);
   detail::check_boundary(result.mesh, result.adjacency, surface.triangles);
   detail::check_points_used(result.mesh);

@@ -39,10 +39,11 @@ inline ValidityReport is_valid(const MixedMesh& mesh) {
 
 /// Volumes of a mixed mesh.
 struct VolumeReport {
-  std::array<double, 4> by_kind{};      ///< by CellKind
-  double cells = 0;                     ///< sum over the cells
-  double boundary = 0;                  ///< inside the faces used once
-  std::vector<index_t> inverted_cells;  ///< volume zero or negative, ascending
+  std::array<double, 4> by_kind{};       ///< by CellKind
+  double cells = 0;                      ///< sum over the cells
+  double boundary = 0;                   ///< inside the faces used once
+  std::size_t n_boundary_triangles = 0;  ///< faces used once, a quadrilateral counting two
+  std::vector<index_t> inverted_cells;   ///< volume zero or negative, ascending
 
   /// |cells - boundary| over |boundary|; 0 when both are.
   double relative_difference() const {
@@ -72,6 +73,7 @@ inline VolumeReport volume(const MixedMesh& mesh) {
   const Vector3 origin = mesh.points[mesh.cells.values[0]];
   for (const CellFace& face : faces_used_once(mesh)) {
     const auto p = [&](std::size_t i) -> Vector3 { return mesh.points[face.vertices[i]] - origin; };
+    report.n_boundary_triangles += face.size() - 2;
     if (face.size() == 3)
       report.boundary += p(0).cross(p(1)).dot(p(2)) / 6;
     else

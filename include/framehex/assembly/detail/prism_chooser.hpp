@@ -54,7 +54,7 @@ inline PotentialPrisms find_free_prisms(const ComplexBuilder& builder, const Tet
 }
 
 /// Adds prisms, heaviest (volume times quality) first; in several rounds, because a prism beside another one finds a
-/// quadrilateral matched.
+/// quadrilateral matched. A round that adds none is the last.
 /// @param max_opened  how many of the three quadrilaterals of a prism may face tetrahedra.
 inline void choose_prisms(ComplexBuilder& builder, const PotentialPrisms& prisms, int max_opened) {
   const std::size_t n = prisms.size();

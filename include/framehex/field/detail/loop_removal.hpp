@@ -49,11 +49,11 @@ public:
     const Quaternion from = frames_[v], to = frames_[w];
     const Quaternion form = Group::aligned(Group::aligned(from, frames_[apex]), to);
     const Vector3 rotation = Group::logarithm(form * from.conjugate());
-    const int before = singular_facets(v) + singular_facets(w);
+    const int before = singular_facets(v, w);
     for (const double share : {1.0 / 64, 1.0 / 32, 1.0 / 16, 1.0 / 8, 1.0 / 4}) {
       frames_[v] = turned(v, from, share * rotation);
       frames_[w] = turned(w, to, -share * rotation);
-      if (singular_facets(v) + singular_facets(w) < before) return true;
+      if (singular_facets(v, w) < before) return true;
     }
     frames_[v] = from;
     frames_[w] = to;
@@ -67,13 +67,20 @@ private:
     return other == no_index || other > tet;
   }
 
-  int singular_facets(index_t v) const {
+  /// Facets at v or w, each counted once: no others change with the two frames.
+  int singular_facets(index_t v, index_t w) const {
+    return singular_facets_without(v, no_index) + singular_facets_without(w, v);
+  }
+
+  /// Facets at v that do not have the other vertex.
+  int singular_facets_without(index_t v, index_t other) const {
     int n = 0;
     for (const index_t tet : adjacency_.tets_of_vertex[v])
-      for (int face = 0; face < 4; ++face)
-        if (adjacency_.tets[tet][static_cast<std::size_t>(face)] != v && is_counted(tet, face) &&
-            monodromy(frames_, facet(adjacency_.tets[tet], face)) != 0)
-          ++n;
+      for (int face = 0; face < 4; ++face) {
+        if (adjacency_.tets[tet][static_cast<std::size_t>(face)] == v || !is_counted(tet, face)) continue;
+        const auto t = facet(adjacency_.tets[tet], face);
+        if (std::find(t.begin(), t.end(), other) == t.end() && monodromy(frames_, t) != 0) ++n;
+      }
     return n;
   }
 
@@ -108,7 +115,7 @@ inline std::size_t remove_small_loops(const TetAdjacency& adjacency, std::span<Q
                                       std::span<const FrameConstraint> constraints, std::span<const Vector3> axes) {
   detail::LoopRemover remover(adjacency, frames, constraints, axes);
   std::size_t n_removed = 0;
-  // Every change leaves fewer singular facets, so this ends.
+  // Every change leaves fewer singular facets in the mesh, each counted once, so this ends.
   for (bool changed = true; changed;) {
     changed = false;
     for (const auto& edge : remover.candidates())

@@ -84,7 +84,7 @@ public:
     for (std::size_t i = 0; i < vertices.size(); ++i) corner_set_[vertices[i]] = static_cast<std::uint8_t>(1u << i);
     walls_ = all_walls;
     bool filled = (flood(vertices) && closes()) || flood_cut_by_cut(vertices);
-    filled = filled && check_slivers() && keeps_features(vertices);
+    filled = filled && check_slivers(vertices) && keeps_features(vertices);
     for (const index_t v : vertices) corner_set_[v] = 0;
     if (filled) {
       std::sort(tets.begin(), tets.end());
@@ -275,21 +275,22 @@ private:
     return best != 0 && flood(vertices) && closes();
   }
 
-  bool check_slivers() {
+  bool check_slivers(const Vertices& vertices) {
     slivers.clear();
     for (std::size_t f = 0; f < n_faces; ++f)
-      if (faces_of(kind)[f].size() == 4 && !check_quadrilateral(exits_[f])) return false;
+      if (faces_of(kind)[f].size() == 4 && !check_quadrilateral(vertices, exits_[f])) return false;
     return true;
   }
 
-  bool check_quadrilateral(const std::array<Exit, 2>& exits) {
+  bool check_quadrilateral(const Vertices& vertices, const std::array<Exit, 2>& exits) {
     const auto behind = [this](const Exit& e) {
       return input_->adjacency().neighbours[e.tet][static_cast<std::size_t>(e.facet)];
     };
     const index_t sliver = behind(exits[0]);
     if (sliver == no_index || sliver != behind(exits[1]) || look_at(sliver).kind() != OnCorners::face_sliver)
       return keeps_boundary_rule(exits[0].tet, static_cast<std::size_t>(exits[0].facet), exits[1].tet,
-                                 static_cast<std::size_t>(exits[1].facet));
+                                 static_cast<std::size_t>(exits[1].facet)) &&
+             !faces_across_void(vertices, exits[0]);
     // It would vanish from behind the border of its own region, or from behind a patch.
     for (const Exit& e : exits)
       if (input_->is_boundary(e.tet, static_cast<std::size_t>(e.facet))) return false;
@@ -305,6 +306,24 @@ private:
       }
     }
     return n == 2 && keeps_boundary_rule(sliver, outer[0], sliver, outer[1]);
+  }
+
+  /// Is a quadrilateral on the boundary cut the other way by a facet outside? The boundary then comes back to it over a
+  /// void of the size of one tetrahedron, and what lies beyond would meet the quadrilateral in three corners.
+  bool faces_across_void(const Vertices& vertices, const Exit& exit) const {
+    if (!input_->is_boundary(exit.tet, static_cast<std::size_t>(exit.facet))) return false;
+    const int other_cut = exit.triangle ^ 2;
+    for (const int triangle : {other_cut, other_cut ^ 1}) {
+      const auto& c = triangles.corners[static_cast<std::size_t>(triangle)];
+      const auto at = [&](std::size_t i) { return vertices[static_cast<std::size_t>(c[i])]; };
+      if (!input_->links().is_facet(at(0), at(1), at(2))) continue;
+      for (const index_t tet : input_->adjacency().tets_of_vertex[at(0)]) {
+        const auto& v = input_->adjacency().tets[tet];
+        const bool has_both = std::ranges::count(v, at(1)) + std::ranges::count(v, at(2)) == 2;
+        if (has_both && std::ranges::find(tets, tet) == tets.end()) return true;
+      }
+    }
+    return false;
   }
 
   bool shares_exit(index_t sliver, std::size_t i, const std::array<Exit, 2>& exits) const {

@@ -53,6 +53,9 @@ public:
   }
 
   /// Flips until every pushed edge, and every edge that a flip touched, is Delaunay or must stay.
+  ///
+  /// In a plane that ends by itself; on a bent surface two edges may ask for one another for ever, so that the number of
+  /// flips is bounded.
   std::size_t run(Scope scope) {
     std::size_t flips = 0, budget = 64 + 20 * stack_.size();
     while (!stack_.empty()) {

@@ -35,7 +35,7 @@ inline std::vector<Vector3> triangle_normals(std::span<const Vector3> points, co
     else
       flat.push_back(t);
   }
-  // Flat triangles may lie side by side: repeat while one more can be settled.
+  // Flat triangles may lie side by side: repeat while one more can be settled. Each is settled once, so this ends.
   for (bool again = !flat.empty(); again;) {
     again = false;
     for (const index_t t : flat) {

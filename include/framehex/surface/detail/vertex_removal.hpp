@@ -19,7 +19,8 @@ public:
   VertexRemover(EditableSurface& surface, const SectorNormals& normals)
       : surface_(surface), normals_(normals), flipper_(surface, normals) {}
 
-  /// Removes what it can of the given vertices and keeps the others in the list, in their order.
+  /// Removes what it can of the given vertices and keeps the others in the list, in their order. Passes end when one
+  /// removes none.
   void run(std::vector<index_t>& unwanted, const Limits& limits) {
     for (bool progress = true; progress && !unwanted.empty();) {
       std::size_t kept = 0;
