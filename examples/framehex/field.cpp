@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/field/compute_frame_field.hpp"
 
-#include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/io/mesh_builder.hpp"
 
 #include "commands.hpp"
 #include "library_options.hpp"
@@ -39,7 +39,7 @@ framehex::DataArray axis_array(const std::vector<framehex::Quaternion>& frames, 
 }  // namespace
 
 bool field(const Options& options, const framehex::Observer& observer) {
-  const framehex::IndexedTetMesh tets = framehex::tetrahedra_of(framehex::read_mesh(options.input));
+  const framehex::IndexedTetMesh tets = framehex::tetrahedra_of(read_input_mesh(options));
   framehex::Stopwatch watch;
   framehex::MeshFieldOptions field_options;
   field_options.features = feature_options(options);

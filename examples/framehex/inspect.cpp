@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/adapters/mesh_reader.hpp"
-
 #include "commands.hpp"
 #include "report.hpp"
+
+#include <filesystem>
 
 namespace program {
 
 bool inspect(const Options& options) {
-  const framehex::MixedMesh mesh = framehex::read_mesh(options.input);
+  const framehex::MixedMesh mesh = read_input_mesh(options);
   const Measures measures = measure(mesh);
   nlohmann::ordered_json json;
   add_to(json, measures);
+  add_groups(json, mesh);
   finish(json, options);
   write_report(options, json);
   if (!options.quiet) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/pipeline/mesh_surface.hpp"
 
-#include "framehex/adapters/assimp_surface.hpp"
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/field/vertex_size_field.hpp"
+#include "framehex/io/surface_faults.hpp"
+#include "framehex/io/surface_reader.hpp"
 
 #include "commands.hpp"
 #include "library_options.hpp"
@@ -50,41 +51,112 @@ double edge_length(const Options& options, const framehex::IndexedTriangleMesh& 
   return size;
 }
 
-framehex::SoupSurface read_input(const Options& options) {
-  framehex::SoupSurface soup = framehex::read_surface(options.input);
-  if (soup.n_turned_triangles > 0)
-    std::fprintf(stderr, "framehex: %s: %zu of %zu triangles were turned to look outward\n", options.input.c_str(),
-                 soup.n_turned_triangles, soup.surface.triangles.size());
-  if (soup.welded_by_tolerance)
-    std::fprintf(stderr, "framehex: %s: vertices within a millionth of its box were welded to close it\n",
-                 options.input.c_str());
+framehex::SoupSurface read_repaired(const Options& options) {
+  framehex::SoupRepair repair;
+  framehex::SoupSurface soup = framehex::read_surface_repaired(options.input, *options.repair, repair);
+  if (repair.n_repeated > 0) remark(options, "repeated triangles were dropped: " + std::to_string(repair.n_repeated));
+  if (repair.n_split > 0)
+    remark(options, "edges were split at vertices in their middle: " + std::to_string(repair.n_split));
+  if (repair.weld_tolerance > 0) {
+    char text[80];
+    std::snprintf(text, sizeof text, "vertices within %.3g were welded", repair.weld_tolerance);
+    remark(options, text);
+  }
   return soup;
+}
+
+bool repair_mends(const Options& options) {
+  framehex::SurfaceSoup soup = framehex::read_surface_soup(options.input);
+  framehex::repair_soup(soup);
+  try {
+    framehex::check_closed(framehex::surface_of_soup(soup));
+    return true;
+  } catch (const framehex::error&) {
+    return false;
+  }
+}
+
+void check_input(const framehex::SoupSurface& soup, const Options& options) {
+  try {
+    framehex::check_closed(soup);
+  } catch (const framehex::error&) {
+    if (!options.repair && repair_mends(options)) remark(options, "--repair would mend this:");
+    throw;
+  }
+  framehex::check_crossings(soup);
+}
+
+framehex::SoupSurface read_input(const Options& options) {
+  framehex::SoupSurface soup = options.repair ? read_repaired(options) : framehex::read_surface(options.input);
+  if (soup.n_turned_triangles > 0)
+    remark(options, std::to_string(soup.n_turned_triangles) + " of " + std::to_string(soup.surface.triangles.size()) +
+                        " triangles were turned to look outward");
+  if (soup.welded_by_tolerance) remark(options, "vertices within a millionth of its box were welded to close it");
+  const double share = soup.rounding / framehex::bounding_box(soup.surface.points).diagonal().norm();
+  if (share > 1e-5) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "its coordinates are single precision, rounded by up to %.2g, %.2g of its size: move it to the origin "
+        "before it is written",
+        soup.rounding, share);
+    remark(options, text);
+  }
+  return soup;
+}
+
+/// Edges between two patches of the file: features, whatever their angle.
+std::vector<std::array<framehex::index_t, 2>> patch_borders(const framehex::SoupSurface& soup,
+                                                            const framehex::TriangleAdjacency& adjacency) {
+  std::vector<std::array<framehex::index_t, 2>> edges;
+  for (framehex::index_t h = 0; h < adjacency.opposite.size() && !soup.patches.empty(); ++h) {
+    const framehex::index_t twin = adjacency.opposite[h];
+    if (twin > h && soup.patches[h / 3] != soup.patches[twin / 3])
+      edges.push_back({adjacency.from(h), adjacency.to(h)});
+  }
+  return edges;
+}
+
+/// Faces get the file's labels in place of those of the patches between feature curves, each of which lies in one.
+void use_patches_of_file(framehex::MixedMesh& mesh, const framehex::SoupSurface& soup,
+                         const framehex::FeatureGraph& features) {
+  if (soup.patches.empty()) return;
+  std::vector<framehex::index_t> label(features.n_patches);
+  for (std::size_t t = 0; t < soup.patches.size(); ++t) label[features.triangle_patch[t]] = soup.patches[t];
+  for (framehex::LabelledFace& face : mesh.faces) face.label = label[face.label];
+  for (framehex::index_t l = 0; l < soup.patch_names.size(); ++l)
+    mesh.groups.push_back({2, l, soup.patch_names[l], {l}});
 }
 
 }  // namespace
 
 bool mesh(const Options& options, const framehex::Observer& observer) {
-  const framehex::IndexedTriangleMesh surface = read_input(options).surface;
-  framehex::validate_closed(surface);
+  const framehex::SoupSurface soup = read_input(options);
+  const framehex::IndexedTriangleMesh& surface = soup.surface;
+  check_input(soup, options);
+  const framehex::TriangleAdjacency adjacency = framehex::make_adjacency(surface);
   const double size = edge_length(options, surface);
   framehex::MeshingOptions meshing;
   meshing.features = feature_options(options);
+  meshing.features.given_edges = patch_borders(soup, adjacency);
   meshing.field.method = field_method(options);
   meshing.order = options.order == "fifo"      ? framehex::PointOrder::fifo
                   : options.order == "lattice" ? framehex::PointOrder::lattice
                                                : framehex::PointOrder::smoothness;
   meshing.recombination = recombine_options(options, {});
   meshing.observer = observer;
-  const framehex::MeshingResult result =
+  framehex::MeshingResult result =
       framehex::mesh_surface(surface, framehex::ConstantSize{size}, framehex::TetgenProcess{}, meshing,
                              framehex::ThreadExecutor(options.threads));
   if (result.status == framehex::Status::cancelled) return false;
 
-  const framehex::MixedMesh& mesh = result.recombination.mesh;
+  framehex::MixedMesh& mesh = result.recombination.mesh;
+  use_patches_of_file(mesh, soup, framehex::detect_features(surface, adjacency, meshing.features));
   const framehex::StageSeconds& seconds = result.recombination.seconds;
   const Measures measures = measure(mesh);
   nlohmann::ordered_json json;
   add_to(json, measures);
+  add_groups(json, mesh);
   add_to(json, result.recombination, options);
   const framehex::MeshingStatistics& s = result.statistics;
   json["field"] = {{"smoothness_mean", s.smoothness_mean},

@@ -34,6 +34,14 @@ void add_input(CLI::App& command, Options& options, const char* what) {
 
 void add_output(CLI::App& command, Options& options, const char* what) {
   command.add_option("-o,--output", options.output, what)->required()->type_name("FILE");
+  command.add_flag("--compress", options.compress, "Compress the arrays of a .vtu file");
+}
+
+void add_regions(CLI::App& command, Options& options) {
+  command
+      .add_option("--regions", options.regions,
+                  "Array by cell of a .vtu or .vtk file that tells the regions; without it, one of the usual names")
+      ->type_name("ARRAY");
 }
 
 void add_run(CLI::App& command, Options& options) {
@@ -102,6 +110,14 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
       ->type_name("N")
       ->excludes(size);
+  mesh.add_option(
+          "--repair", options.repair,
+          "Mend the surface: weld vertices nearer than T of its box's diagonal (1e-4 without T) where that closes "
+          "it, drop repeated triangles, split edges at vertices in their middle")
+      ->check(in_range(0, 0.01, "a tolerance from 0 to 0.01"))
+      ->type_name("[T]")
+      ->expected(0, 1)
+      ->default_str("1e-4");
   add_field(mesh, options);
   mesh.add_option("--order", options.order,
                   "Placement of points: by fronts, first in first out or smoothest field first, or as one lattice")
@@ -110,20 +126,27 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_recombination(mesh, options);
   add_run(mesh, options);
 
-  CLI::App& recombine = *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh)");
+  CLI::App& recombine =
+      *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(recombine, options, "The tetrahedral mesh");
   add_output(recombine, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
+  add_regions(recombine, options);
+  recombine.add_flag("--ignore-faces", options.ignore_faces,
+                     "Labelled faces within a region are none: cells may swallow them");
+  recombine.add_flag("--ignore-edges", options.ignore_edges, "Labelled edges are none: cells may swallow them");
   add_recombination(recombine, options);
   add_run(recombine, options);
 
-  CLI::App& field = *app.add_subcommand("field", "Frame field of a tetrahedral mesh (.vtu .vtk .msh .mesh)");
+  CLI::App& field = *app.add_subcommand("field", "Frame field of a tetrahedral mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(field, options, "The tetrahedral mesh");
   add_output(field, options, "Frames, smoothness and singular lines: .vtu");
   add_field(field, options);
   add_run(field, options);
 
-  CLI::App& inspect = *app.add_subcommand("inspect", "Count and judge the cells of any mesh (.vtu .vtk .msh .mesh)");
+  CLI::App& inspect =
+      *app.add_subcommand("inspect", "Count and judge the cells of any mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(inspect, options, "The mesh");
+  add_regions(inspect, options);
   inspect.add_flag("--quiet", options.quiet, "Print nothing but errors");
 
   try {
@@ -150,6 +173,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   json["command"] = names[static_cast<int>(options.command)];
   json["input"] = options.input;
   if (!options.output.empty()) json["output"] = options.output;
+  if (!options.regions.empty()) json["regions"] = options.regions;
   if (options.size) json["size"] = *options.size;
   if (options.cells) json["cells"] = *options.cells;
   if (is_mesh || is_field) {
@@ -157,6 +181,7 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["features"] = options.feature_degrees;
   }
   if (is_mesh) json["order"] = options.order;
+  if (options.repair) json["repair"] = *options.repair;
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
     json["select"] = options.select;
@@ -165,6 +190,10 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["interfaces"] = options.interfaces;
     json["improvement"] = options.improve;
     json["seed"] = options.seed;
+  }
+  if (options.command == Command::recombine) {
+    json["ignore_faces"] = options.ignore_faces;
+    json["ignore_edges"] = options.ignore_edges;
   }
   if (options.command != Command::inspect) json["threads"] = options.threads;
   return json;

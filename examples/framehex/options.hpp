@@ -15,6 +15,7 @@ enum class Command { mesh, recombine, field, inspect };
 struct Options {
   Command command = Command::mesh;
   std::string input, output, report;  // names of files; empty: none
+  std::string regions;                // array by cell that holds the labels; empty: one of the usual names
   std::optional<double> size;         // wished edge length
   std::optional<std::size_t> cells;   // or about so many cells
   std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
@@ -26,6 +27,9 @@ struct Options {
   std::uint64_t seed = 1;
   bool improve = true;  // move and reconnect what is not a hexahedron
   bool quiet = false;
+  std::optional<double> repair;  // largest tolerance by the box's diagonal; empty: none
+  bool compress = false;                            // arrays of .vtu
+  bool ignore_faces = false, ignore_edges = false;  // labels of the input
 };
 
 /// Reads the command line. On --help and --version, and on a command line that makes no sense, it prints and returns

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "report.hpp"
 
-#include "framehex/io/mesh_writer.hpp"
+#include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/adapters/zlib_compression.hpp"
 #include "framehex/version.hpp"
 
 #include <sys/resource.h>
@@ -65,6 +66,40 @@ void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombi
                       {"removed_vertices", a.n_removed_vertices}};
 }
 
+void add_groups(nlohmann::ordered_json& json, const framehex::MixedMesh& mesh) {
+  constexpr const char* kinds[] = {"", "curves", "patches", "regions"};
+  for (const framehex::LabelGroup& group : mesh.groups) {
+    const auto holds = [&](framehex::index_t label) {
+      return std::binary_search(group.labels.begin(), group.labels.end(), label);
+    };
+    std::size_t n = 0;
+    if (group.dimension == 1)
+      for (const auto& edge : mesh.edges) n += holds(edge.label);
+    if (group.dimension == 2)
+      for (const auto& face : mesh.faces) n += holds(face.label);
+    if (group.dimension == 3)
+      for (std::size_t c = 0; c < mesh.n_cells(); ++c) n += holds(mesh.regions.empty() ? 0 : mesh.regions[c]);
+    json["groups"].push_back(
+        {{"name", group.name}, {"of", kinds[group.dimension]}, {"labels", group.labels}, {"elements", n}});
+  }
+}
+
+void remark(const Options& options, const std::string& text) {
+  if (!options.quiet) std::fprintf(stderr, "framehex: %s: %s\n", options.input.c_str(), text.c_str());
+}
+
+framehex::MixedMesh read_input_mesh(const Options& options) {
+  framehex::MeshReadNotes notes;
+  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.regions = options.regions}, &notes);
+  std::string unused;
+  for (const std::string& name : notes.unused_arrays) unused += (unused.empty() ? "\"" : "\", \"") + name;
+  if (!unused.empty())
+    remark(options, (notes.label_array.empty() ? "no array was taken for regions"
+                                               : "regions are those of \"" + notes.label_array + "\"") +
+                        "; arrays of integers by cell not used: " + unused + "\"");
+  return mesh;
+}
+
 void finish(nlohmann::ordered_json& json, const Options& options) {
   json["peak_memory_bytes"] = peak_bytes(RUSAGE_SELF);
   if (options.command == Command::mesh) json["peak_memory_tetrahedralizer_bytes"] = peak_bytes(RUSAGE_CHILDREN);
@@ -84,11 +119,13 @@ std::vector<framehex::DataArray> cell_arrays(const Measures& measures) {
 
 void write_results(const Options& options, const framehex::MixedMesh& mesh, const framehex::MeshData& data,
                    const nlohmann::ordered_json& json) {
-  if (options.report.empty()) return framehex::write_mesh(options.output, mesh, data);
+  const framehex::VtuCompression compression =
+      options.compress ? framehex::zlib_compression() : framehex::VtuCompression{};
+  if (options.report.empty()) return framehex::write_mesh(options.output, mesh, data, compression);
   OutputFile report(options.report);
   report.write(json.dump(2) + "\n");
   report.finish();
-  framehex::write_mesh(options.output, mesh, data);
+  framehex::write_mesh(options.output, mesh, data, compression);
   report.commit();
 }
 

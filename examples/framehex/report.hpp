@@ -16,6 +16,9 @@ namespace program {
 /// `seconds`, `candidates`, `selection`, `assembly` of a recombination, and `hex_ratio.floor`.
 void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options);
 
+/// `groups`: names of labels, and how many elements of the mesh each has.
+void add_groups(nlohmann::ordered_json& json, const framehex::MixedMesh& mesh);
+
 /// Adds what every report has: `peak_memory_bytes`, `options`, `version`.
 void finish(nlohmann::ordered_json& json, const Options& options);
 
@@ -29,6 +32,12 @@ void write_report(const Options& options, const nlohmann::ordered_json& json);
 
 /// Refuses, before any work, output that could not be written in the end. @throws io_error.
 void check_outputs(const Options& options);
+
+/// A remark on the input, on standard error, unless nothing but errors is wanted.
+void remark(const Options& options, const std::string& text);
+
+/// Reads the mesh that the options name, with remarks on its arrays.
+framehex::MixedMesh read_input_mesh(const Options& options);
 
 /// Prints header and row. Times are those of `seconds`.
 void print_row(const std::string& name, const Measures& measures, const framehex::StageSeconds& seconds);

@@ -27,6 +27,7 @@
 #include "framehex/mesh/enclosed_volume.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/mesh/labels.hpp"
+#include "framehex/mesh/listed_labels.hpp"
 #include "framehex/mesh/mixed_faces.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/mesh/validation.hpp"

@@ -2,14 +2,14 @@
 # What must compile, and what must not.
 
 # Every header compiles alone, with our warnings: the library's, and the adapters' with the library each needs.
-find_package(assimp CONFIG REQUIRED)
 find_package(pugixml CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(LibLZMA REQUIRED)
 add_library(framehex_headers_alone INTERFACE)
 target_sources(framehex_headers_alone INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include
                                                                   FILES ${framehex_headers})
 target_compile_options(framehex_headers_alone INTERFACE -O0) # nothing of them is run
-target_link_libraries(framehex_headers_alone INTERFACE framehex_development assimp::assimp pugixml::pugixml ZLIB::ZLIB)
+target_link_libraries(framehex_headers_alone INTERFACE framehex_development pugixml::pugixml ZLIB::ZLIB LibLZMA::LibLZMA)
 set_target_properties(framehex_headers_alone PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
 add_test(NAME "compile: each header alone"
          COMMAND ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target

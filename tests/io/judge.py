@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSL-1.0
 """Reads the files of the test's one-cell-of-each-kind mesh with meshio and says what is wrong with them.
 
-judge.py FILE...   Exit status 0: every file has the four cells right side out, and the labels and arrays wanted.
+judge.py FILE...            Exit status 0: every file has the four cells right side out, and the labels and arrays wanted.
+judge.py --arrays FILE...   Exit status 0: every array by point counts on from the number that its name is.
 """
 import contextlib
 import io
@@ -66,5 +67,19 @@ def check(name):
     return not wrong
 
 
+def check_arrays(name):
+    with contextlib.redirect_stdout(io.StringIO()):
+        mesh = meshio.read(name)
+    wrong = [array for array, values in mesh.point_data.items()
+             if np.ravel(values).tolist() != list(range(int(array), int(array) + values.size))]
+    if [len(block.data) for block in mesh.cells if block.type == "hexahedron"] != [1]:
+        wrong.append("cells")
+    if wrong:
+        print(f"{name}: wrong are {wrong}")
+    return not wrong
+
+
 if __name__ == "__main__":
+    if sys.argv[1] == "--arrays":
+        sys.exit(0 if all([check_arrays(name) for name in sys.argv[2:]]) else 1)
     sys.exit(0 if all([check(name) for name in sys.argv[1:]]) else 1)

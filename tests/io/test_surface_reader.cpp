@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/adapters/assimp_surface.hpp"
+#include "framehex/io/surface_reader.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "support/surfaces.hpp"
 #include "support/temporary_folder.hpp"
 
+#include <bit>
 #include <catch2/catch.hpp>
 #include <random>
 
@@ -17,11 +18,18 @@ using Triangles = std::vector<std::array<index_t, 3>>;
 std::string number(double x) {
   if (std::isnan(x)) return "nan";
   if (std::isinf(x)) return "inf";
-  return std::to_string(x);
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.17g", x);
+  return digits;
 }
 
 std::string row(const Vector3& p) {
   return number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
+}
+
+std::string upper_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(c));
+  return text;
 }
 
 std::string ascii_stl(const IndexedTriangleMesh& mesh) {
@@ -81,10 +89,41 @@ std::string ply(const IndexedTriangleMesh& mesh) {
          off_rows(mesh);
 }
 
-/// Volume by the divergence theorem.
+/// PLY in binary, with properties and elements that a surface has no use for.
+template <class Real>
+std::string binary_ply(const IndexedTriangleMesh& mesh, std::endian order) {
+  const std::string real = sizeof(Real) == 8 ? "double" : "float32";
+  std::string bytes = "ply\r\nformat binary_" + std::string(order == std::endian::big ? "big" : "little") +
+                      "_endian 1.0\r\ncomment none\r\nelement camera 1\r\nproperty list uint8 int16 view\r\n"
+                      "element vertex " +
+                      std::to_string(mesh.points.size()) + "\r\nproperty uchar red\r\nproperty " + real +
+                      " z\r\nproperty " + real + " x\r\nproperty " + real + " y\r\nelement face " +
+                      std::to_string(mesh.triangles.size()) +
+                      "\r\nproperty float quality\r\nproperty list uint8 uint vertex_index\r\nproperty short label\r\n"
+                      "end_header\r\n";
+  const auto put = [&](auto value) {
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
+    if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+    bytes += raw;
+  };
+  put(std::uint8_t{2}), put(std::int16_t{3}), put(std::int16_t{4});
+  for (const Vector3& p : mesh.points) {
+    put(std::uint8_t{200});
+    for (const int axis : {2, 0, 1}) put(static_cast<Real>(p[axis]));
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    put(0.5F), put(std::uint8_t{3});
+    for (const index_t v : mesh.triangles[t]) put(std::uint32_t{v});
+    put(static_cast<std::int16_t>(t < 2 ? -7 : 9));
+  }
+  return bytes;
+}
+
+/// Volume by the divergence theorem, from a point of the surface.
 double enclosed_volume(const IndexedTriangleMesh& mesh) {
   double sum = 0;
-  for (const auto& t : mesh.triangles) sum += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+  const auto at = [&](index_t v) { return Vector3(mesh.points[v] - mesh.points[0]); };
+  for (const auto& t : mesh.triangles) sum += at(t[0]).dot(at(t[1]).cross(at(t[2])));
   return sum / 6;
 }
 
@@ -129,6 +168,135 @@ TEST_CASE("the bunny is read") {
   CHECK(bunny.surface.triangles.size() == 3674);
   CHECK_NOTHROW(validate_closed(bunny.surface));
   CHECK(enclosed_volume(bunny.surface) == Approx(194.29).epsilon(1e-4));
+}
+
+TEST_CASE("every digit of a coordinate is kept") {
+  const test::TemporaryFolder folder;
+  IndexedTriangleMesh box = test::box_surface({0.7, 0.7, 0.7}, 2, 2, 2);
+  for (Vector3& p : box.points) p += Vector3(500000.3, 4649776.3, 100);  // as surveyors have them
+  folder.write("text.stl", ascii_stl(box));
+  folder.write("box.obj", obj(box));
+  folder.write("box.off", off(box));
+  folder.write("box.ply", ply(box));
+  folder.write("little.ply", binary_ply<double>(box, std::endian::little));
+  folder.write("big.ply", binary_ply<double>(box, std::endian::big));
+  for (const char* name : {"text.stl", "box.obj", "box.off", "box.ply", "little.ply", "big.ply"}) {
+    INFO(name);
+    const SoupSurface read = read_surface(folder / name);
+    CHECK_NOTHROW(validate_closed(read.surface));
+    CHECK(read.rounding == 0);
+    CHECK(enclosed_volume(read.surface) == Approx(0.343).epsilon(1e-7));
+    if (std::string_view(name) != "text.stl") CHECK(read.surface.points == box.points);
+  }
+  // What single precision lost is told: half a unit in the last place of 4649777.
+  folder.write("binary.stl", binary_stl(box));
+  folder.write("single.ply", binary_ply<float>(box, std::endian::big));
+  for (const char* name : {"binary.stl", "single.ply"})
+    CHECK(read_surface(folder / name).rounding == Approx(0.277).epsilon(0.01));
+}
+
+TEST_CASE("STL as other programs write it") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 2, 3});
+  const std::string text = ascii_stl(box), binary = binary_stl(box);
+  folder.write("upper.stl", upper_case(text));
+  folder.write("long.stl", "solid " + std::string(3000, 'x') + "\n" + text.substr(text.find('\n') + 1));
+  folder.write("nameless.stl", "solid\n" + text.substr(text.find('\n') + 1, text.rfind("endsolid") - 11) + "endsolid");
+  std::string normals = text;
+  for (std::size_t at = 0; (at = normals.find("normal 0 0 0", at)) != normals.npos;)
+    normals.replace(at, 12, "normal nan -nan 1e999");
+  folder.write("normals.stl", normals);
+  folder.write("trailing.stl", binary + std::string(33, '\1'));
+  folder.write("header.stl", "solid of nothing" + binary.substr(16));
+  folder.write("both.stl", "solid of nothing" + binary.substr(16) + "made by someone");
+  for (const char* name :
+       {"upper.stl", "long.stl", "nameless.stl", "normals.stl", "trailing.stl", "header.stl", "both.stl"}) {
+    INFO(name);
+    const SoupSurface read = read_surface(folder / name);
+    CHECK(read.surface.triangles.size() == 12);
+    CHECK(read.patches.empty());
+    CHECK(enclosed_volume(read.surface) == Approx(6));
+  }
+  folder.write("short.stl", binary.substr(0, binary.size() - 1));
+  CHECK_THROWS_WITH(read_surface(folder / "short.stl"), Contains("tells 12 triangles, it has room for 11"));
+  folder.write("vertex.stl",
+               "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid a\n");
+  CHECK_THROWS_WITH(read_surface(folder / "vertex.stl"), Contains("line 6: a facet has 2 vertices"));
+}
+
+TEST_CASE("solids, groups, materials and labels are patches with names") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  const auto part = [&](std::size_t first, std::size_t last) {
+    IndexedTriangleMesh mesh = box;
+    mesh.triangles.assign(box.triangles.begin() + static_cast<std::ptrdiff_t>(first),
+                          box.triangles.begin() + static_cast<std::ptrdiff_t>(last));
+    return mesh;
+  };
+  const auto solid = [&](const std::string& name, std::size_t first, std::size_t last) {
+    const std::string text = ascii_stl(part(first, last));
+    return "solid " + name + text.substr(text.find('\n'));
+  };
+  const std::string points = obj({box.points, {}});
+  const auto faces = [&](std::size_t first, std::size_t last) {
+    return obj({{}, part(first, last).triangles}).substr(7);
+  };
+  folder.write("solids.stl", solid("hot inlet", 0, 2) + solid("wall", 2, 6) + solid("", 6, 7) + solid("wall", 7, 12));
+  folder.write("groups.obj", points + "g hot inlet\n" + faces(0, 2) + "g wall\n" + faces(2, 12));
+  folder.write("materials.obj", points + "usemtl a\n" + faces(0, 2) + "o thing\nusemtl b\n" + faces(2, 12));
+  folder.write("labels.ply", binary_ply<double>(box, std::endian::little));
+  const auto check = [&](const char* name, std::vector<std::string> names, std::vector<index_t> patches) {
+    INFO(name);
+    const SoupSurface read = read_surface(folder / name);
+    CHECK(read.patch_names == names);
+    CHECK(read.patches == patches);
+  };
+  check("solids.stl", {"hot inlet", "wall", "solid_2"}, {0, 0, 1, 1, 1, 1, 2, 1, 1, 1, 1, 1});
+  check("groups.obj", {"hot inlet", "wall"}, {0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
+  check("materials.obj", {"a", "thing:b"}, {0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
+  check("labels.ply", {"label_-7", "label_9"}, {0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1});
+}
+
+TEST_CASE("triangles know the polygons of the file that they are of") {
+  const test::TemporaryFolder folder;
+  // Quadrilaterals, a triangle that loses a corner by welding, negative numbers, a line that goes on, textures.
+  const SoupSurface cube = read_surface(
+      folder.write("cube.obj",
+                   "v 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 0 0 0\nvn 0 0 1\n"
+                   "f 1 4 3 2\nf 1 9 2\nf 5//1 6//1 7//1 8//1\nf 1/1 2/2 6/3 \\\n5/4\nf 2/1/1 3/1/1 7/1/1 6/1/1\n"
+                   "f -7 -6 -2 -3\nf 4 1 5 8\n"));
+  CHECK(cube.polygons == std::vector<index_t>{0, 0, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6});
+  CHECK(cube.n_dropped_triangles == 1);
+  CHECK(enclosed_volume(cube.surface) == Approx(1));
+}
+
+TEST_CASE("a count that the file cannot hold is refused before anything is allocated") {
+  const test::TemporaryFolder folder;
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
+  const std::string good_off = off(box), good_ply = ply(box);
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  for (const std::string huge :
+       {"353535235358", "9223372036854775807", "18446744073709551615", "4294967295", "99999999999999999999"}) {
+    INFO(huge);
+    folder.write("a.off", with(good_off, "8 12 0", huge + " 12 0"));
+    folder.write("b.off", with(good_off, "8 12 0", "8 " + huge + " 0"));
+    folder.write("c.off", with(good_off, "\n3 ", "\n" + huge + " "));
+    folder.write("a.ply", with(good_ply, "vertex 8", "vertex " + huge));
+    folder.write("b.ply", with(good_ply, "face 12", "face " + huge));
+    folder.write("c.ply", with(good_ply, "\n3 ", "\n" + huge + " "));
+    folder.write("d.ply", with(good_ply, "element face", "element nothing " + huge + "\nelement face"));
+    for (const char* name : {"a.off", "b.off", "c.off", "a.ply", "b.ply", "c.ply", "d.ply"}) {
+      INFO(name);
+      CHECK_THROWS_AS(read_surface(folder / name), io_error);
+    }
+  }
+  CHECK_THROWS_WITH(read_surface(folder.write("a.off", with(good_off, "8 12 0", "353535235358 12 0"))),
+                    Contains("line 2: the number of vertices is 353535235358, more than the file can hold"));
+  std::string many = binary_ply<double>(box, std::endian::big);
+  many[many.find("end_header") + 12] = '\xff';  // a list of 255 where 4 bytes are left of its values
+  CHECK_THROWS_AS(read_surface(folder.write("list.ply", many)), io_error);
 }
 
 TEST_CASE("polygons are cut into triangles") {
@@ -318,14 +486,13 @@ TEST_CASE("what is no surface is refused by name, in one line") {
 TEST_CASE("damaged surfaces are refused or read, never worse", "[robustness]") {
   const test::TemporaryFolder folder;
   const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
-  const std::vector<std::pair<std::string, std::string>> samples{{"ascii.stl", ascii_stl(box)},
-                                                                 {"binary.stl", binary_stl(box)},
-                                                                 {"box.obj", obj(box)},
-                                                                 {"box.off", off(box)},
-                                                                 {"box.ply", ply(box)}};
+  const std::vector<std::pair<std::string, std::string>> samples{
+      {"ascii.stl", ascii_stl(box)}, {"binary.stl", binary_stl(box)},
+      {"box.obj", obj(box)},         {"box.off", off(box)},
+      {"box.ply", ply(box)},         {"big.ply", binary_ply<double>(box, std::endian::big)}};
   std::mt19937_64 random(11);
   for (const auto& [name, bytes] : samples)
-    for (std::size_t i = 0; i < 100; ++i) {
+    for (std::size_t i = 0; i < 1000; ++i) {
       std::string damaged = i < 50 ? bytes.substr(0, bytes.size() * i / 50) : bytes;
       if (i >= 50) damaged[random() % damaged.size()] = static_cast<char>(random());
       try {

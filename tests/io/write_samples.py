@@ -21,7 +21,7 @@ meshio.vtu.write(folder / "ascii.vtu", mesh, binary=False)
 meshio.vtu.write(folder / "raw.vtu", mesh, binary=True, compression=None)
 meshio.vtu.write(folder / "zlib.vtu", mesh, binary=True, compression="zlib")
 meshio.vtu.write(folder / "wide.vtu", mesh, binary=True, compression="zlib", header_type="UInt64")
-mesh.cell_data = {}
+meshio.vtu.write(folder / "lzma.vtu", mesh, binary=True, compression="lzma")
 meshio.vtk.write(folder / "binary51.vtk", mesh, binary=True)
 meshio.vtk.write(folder / "ascii51.vtk", mesh, binary=False)
 meshio.write(folder / "binary42.vtk", mesh, file_format="vtk42", binary=True)
@@ -29,6 +29,7 @@ meshio.write(folder / "ascii42.vtk", mesh, file_format="vtk42", binary=False)
 numbered = [np.array(x) + 1 for x in labels]
 mesh.cell_data = {"medit:ref": numbered}
 meshio.medit.write(folder / "text.mesh", mesh)
+meshio.medit.write(folder / "binary.meshb", mesh)
 mesh.cell_data = {"gmsh:physical": numbered, "gmsh:geometrical": numbered}
 meshio.write(folder / "binary22.msh", mesh, file_format="gmsh22", binary=True)
 meshio.write(folder / "ascii22.msh", mesh, file_format="gmsh22", binary=False)

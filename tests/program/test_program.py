@@ -119,7 +119,8 @@ class Case(unittest.TestCase):
         self.assertEqual(result.returncode, 2, result)
         self.assertEqual(result.stdout, "")
         lines = result.stderr.splitlines()
-        errors = [line for line in lines if "were turned" not in line and "were welded" not in line]
+        remarks = ("were turned", "were welded", "--repair would mend")
+        errors = [line for line in lines if not any(words in line for words in remarks)]
         self.assertEqual(len(errors), 1, result.stderr)
         for word in words:
             self.assertIn(word, errors[0])
@@ -201,7 +202,8 @@ class TestBadSurfaces(Case):
     def test_topology(self):
         points, triangles = box()
         write_stl(self.path("open.stl"), points, triangles[:-1])
-        self.check_refused(self.mesh("open.stl"), self.path("open.stl"), "open along edge")
+        self.check_refused(self.mesh("open.stl"), self.path("open.stl"), "open along 3 edges", "polygon",
+                           "from (")
         other, _ = box(origin=(1, 1, 0))
         both = points + other
         write_stl(self.path("touching.stl"), both, triangles + [tuple(i + 8 for i in t) for t in triangles])
@@ -218,7 +220,34 @@ class TestBadSurfaces(Case):
         points, triangles = box()
         other, _ = box(origin=(0.5, 0.4, 0.3))
         write_stl(self.path("crossing.stl"), points + other, triangles + [tuple(i + 8 for i in t) for t in triangles])
-        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"))
+        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"), "bodies overlap",
+                           "polygon 2 and polygon", "near (", "more")
+
+    def test_repair(self):
+        points, triangles = box((2, 2, 2))
+        write_stl(self.path("twice.stl"), points, triangles + [triangles[5]])
+        # The longest edge of one triangle gets a vertex of its own.
+        a, b, c = triangles[0]
+        middle = tuple((x + y) / 2 for x, y in zip(points[a], points[c]))
+        write_stl(self.path("middle.stl"), points + [middle], triangles[1:] + [(a, b, 8), (b, c, 8)])
+        noisy = [tuple(x + 2e-5 * np.sin(7 * i + k) for k, x in enumerate(points[v]))
+                 for i, v in enumerate(v for t in triangles for v in t)]
+        write_stl(self.path("noise.stl"), noisy, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(12)])
+        for name, fault, word in [("twice.stl", "polygon 12 is polygon 5 again", "repeated triangles were dropped: 1"),
+                                  ("middle.stl", "open along 3 edges", "split at vertices in their middle: 1"),
+                                  ("noise.stl", "open along 36 edges", "were welded")]:
+            with self.subTest(name):
+                result = self.mesh(name, "--size", "1")
+                self.check_refused(result, fault)
+                self.assertIn("--repair would mend", result.stderr)
+                result = self.mesh(name, "--size", "1", "--repair")
+                self.assertEqual(result.returncode, 0, result)
+                self.assertIn(word, result.stderr)
+                self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 8})
+                for out in ("out.vtu", "out.json"):
+                    (self.folder / out).unlink()
+        result = self.mesh("noise.stl", "--size", "1", "--repair", "1e-6")
+        self.check_refused(result, "open along 36 edges")
 
     def test_size(self):
         write_stl(self.path("box.stl"), *box())
@@ -412,6 +441,108 @@ class TestImprovement(Case):
             self.assertEqual(len(written) + assembly["removed_vertices"], len(points) + assembly["new_vertices"])
             kept = given <= set(map(tuple, written))
             self.assertEqual(kept, bool(more))
+
+
+class TestLabels(Case):
+    """Regions, patches and their names, from the file to the file."""
+
+    def tets(self):
+        points, tets = lattice(2)
+        regions = np.array([1 if sum(points[v][0] for v in t) / 4 < 1 else 4 for t in tets])
+        return np.array(points, float), np.array(tets), regions
+
+    def recombine(self, name, *more):
+        return self.run_program("recombine", self.path(name), "-o", self.path("out.vtu"), "--report",
+                                self.path("out.json"), *more)
+
+    def labels(self):
+        out = read(self.path("out.vtu"))
+        return sorted(int(x) for k, block in enumerate(out.cells) if block.type == "hexahedron"
+                      for x in np.ravel(out.cell_data["label"][k]))
+
+    def test_arrays(self):
+        points, tets, regions = self.tets()
+        for name, form in (("material", "in.vtu"), ("CellEntityIds", "in.vtk"), ("my_part", "in.vtu")):
+            with self.subTest(name):
+                meshio.Mesh(points, [("tetra", tets)], cell_data={name: [regions]}).write(self.path(form))
+                result = self.recombine(form)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual(self.labels(), [0] * 8 if name == "my_part" else [1] * 4 + [4] * 4)
+                self.assertEqual(name == "my_part", "not used: \"my_part\"" in result.stderr, result.stderr)
+                self.assertEqual(self.recombine(form, "--regions", name).returncode, 0)
+                self.assertEqual(self.labels(), [1] * 4 + [4] * 4)
+        os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+        self.check_refused(self.recombine("in.vtu", "--regions", "other"), self.path("in.vtu"), "other", "my_part")
+
+    def test_names(self):
+        points, tets, regions = self.tets()
+        with open(self.path("in.msh"), "w") as f:
+            f.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"steel part\"\n3 4 \"copper\"\n"
+                    f"$EndPhysicalNames\n$Nodes\n{len(points)}\n")
+            for i, p in enumerate(points):
+                f.write(f"{i + 1} {p[0]} {p[1]} {p[2]}\n")
+            f.write(f"$EndNodes\n$Elements\n{len(tets)}\n")
+            for i, t in enumerate(tets):
+                f.write(f"{i + 1} 4 2 {regions[i]} {regions[i]} " + " ".join(str(v + 1) for v in t) + "\n")
+            f.write("$EndElements\n")
+        result = self.recombine("in.msh")
+        self.assertEqual(result.returncode, 0, result)
+        groups = json.loads((self.folder / "out.json").read_text())["groups"]
+        self.assertEqual([(g["name"], g["labels"], g["elements"]) for g in groups],
+                         [("steel part", [0], 4), ("copper", [3], 4)])
+        field_data = read(self.path("out.vtu")).field_data
+        self.assertEqual(field_data["regions:steel part"].tolist(), [0])
+        self.assertEqual(self.run_program("recombine", self.path("in.msh"), "-o", self.path("out.msh")).returncode, 0)
+        names = {name: tuple(map(int, value)) for name, value in read(self.path("out.msh")).field_data.items()}
+        self.assertEqual(names, {"steel part": (1, 3), "copper": (4, 3)})
+
+    def test_files_that_list_everything(self):
+        points, tets, _ = self.tets()
+        faces = np.unique(np.sort(np.concatenate([tets[:, [1, 2, 3]], tets[:, [0, 2, 3]], tets[:, [0, 1, 3]],
+                                                  tets[:, [0, 1, 2]]]), axis=1), axis=0)
+        edges = np.unique(np.sort(np.concatenate([tets[:, list(e)] for e in itertools.combinations(range(4), 2)]),
+                                  axis=1), axis=0)
+        meshio.Mesh(points, [("line", edges), ("triangle", faces), ("tetra", tets)]).write(self.path("in.mesh"))
+        result = self.recombine("in.mesh")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("lists every face", result.stderr)
+        self.assertIn("lists every edge", result.stderr)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 8})
+        # Edges that all but one are listed are taken at their word, unless told otherwise.
+        meshio.Mesh(points, [("line", edges[1:]), ("tetra", tets)]).write(self.path("in.mesh"))
+        self.assertEqual(self.recombine("in.mesh").returncode, 0)
+        self.assertNotIn("hexahedron", audit(self.path("out.vtu"))["counts"])
+        self.assertEqual(self.recombine("in.mesh", "--ignore-edges").returncode, 0)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 8})
+
+    def test_patches_of_the_surface(self):
+        points, triangles = box((2, 1, 1))
+        with open(self.path("box.obj"), "w") as f:
+            f.write("".join("v %s %s %s\n" % p for p in points + [(1, 0, 1), (1, 1, 1)]))
+            f.write("g hot side\nf 1 2 4 3\ng lid a\nf 2 9 10 4\ng lid b\nf 9 6 8 10\ng rest\n")
+            f.write("f 5 7 8 6\nf 1 5 6 9 2\nf 3 4 10 8 7\nf 1 3 7 5\n")
+        result = self.mesh("box.obj", "--size", "0.5", "--compress")
+        self.assertEqual(result.returncode, 0, result)
+        groups = json.loads((self.folder / "out.json").read_text())["groups"]
+        self.assertEqual([(g["name"], g["elements"]) for g in groups],
+                         [("hot side", 4), ("lid a", 4), ("lid b", 4), ("rest", 4 + 8 + 8 + 8)])
+
+    def test_far_from_the_origin(self):
+        points, triangles = box((0.7, 0.7, 0.7), (500000.3, 4649776.3, 100))
+        with open(self.path("far.obj"), "w") as f:
+            f.write("".join("v %.3f %.3f %.3f\n" % p for p in points))
+            f.write("".join("f %d %d %d\n" % tuple(v + 1 for v in t) for t in triangles))
+        result = self.mesh("far.obj", "--size", "0.35")
+        self.assertEqual(result.returncode, 0, result)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertAlmostEqual(report["quality"]["volume"] / 0.343, 1, places=6)
+        self.assertEqual(report["counts"]["hexahedra"], 8)
+        # Single precision cannot tell such a cube; that is said.
+        triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+        body = np.zeros(len(triangles), triangle)
+        body["corners"] = np.array([[points[v] for v in t] for t in triangles])
+        (self.folder / "far.stl").write_bytes(bytes(80) + np.uint32(len(triangles)).tobytes() + body.tobytes())
+        self.assertIn("single precision", self.mesh("far.stl", "--size", "0.35").stderr)
 
 
 class TestField(Case):

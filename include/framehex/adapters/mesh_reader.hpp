@@ -9,16 +9,21 @@
 
 namespace framehex {
 
-/// Reads a volume mesh in the format that the extension tells: .vtu .vtk .msh .mesh. Needs pugixml and zlib.
+/// Reads a volume mesh in the format that the extension tells: .vtu .vtk .msh .mesh .meshb. Needs pugixml, zlib and
+/// liblzma.
 ///
-/// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension.
-inline MixedMesh read_mesh(const std::filesystem::path& path) {
-  switch (mesh_format(path)) {
-    case MeshFormat::vtk: return read_legacy_vtk(path);
-    case MeshFormat::msh: return read_msh(path);
-    case MeshFormat::medit: return read_medit(path);
-    default: return read_vtu(path);
-  }
+/// @param options  which array by cell holds the labels; for .vtu and .vtk only.
+/// @param notes    what else was found, when not null.
+/// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension, and
+///         for an array wanted of a format that has none.
+inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
+                           MeshReadNotes* notes = nullptr) {
+  const MeshFormat format = mesh_format(path);
+  if (format == MeshFormat::vtk) return read_legacy_vtk(path, options, notes);
+  if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
+  if (!options.regions.empty())
+    throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
+  return format == MeshFormat::msh ? read_msh(path) : read_medit(path);
 }
 
 }  // namespace framehex

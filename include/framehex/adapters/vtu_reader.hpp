@@ -2,8 +2,10 @@
 #pragma once
 
 #include "framehex/io/input_file.hpp"
+#include "framehex/io/label_arrays.hpp"
 #include "framehex/io/mesh_builder.hpp"
 
+#include <lzma.h>
 #include <zlib.h>
 #include <pugixml.hpp>
 
@@ -39,12 +41,30 @@ inline std::string decode_base64(std::string_view text, std::size_t n_wanted) {
   return bytes;
 }
 
+/// Unpacks a block of deflated bytes. @return whether it is whole and has the size of `block`.
+inline bool unpack_zlib(std::string_view packed, std::string& block) {
+  uLongf length = static_cast<uLongf>(block.size());
+  return uncompress(reinterpret_cast<Bytef*>(block.data()), &length, reinterpret_cast<const Bytef*>(packed.data()),
+                    static_cast<uLong>(packed.size())) == Z_OK &&
+         length == block.size();
+}
+
+/// The same for xz.
+inline bool unpack_lzma(std::string_view packed, std::string& block) {
+  std::uint64_t memory = std::uint64_t{1} << 30;
+  std::size_t in = 0, out = 0;
+  const auto* const from = reinterpret_cast<const std::uint8_t*>(packed.data());
+  auto* const to = reinterpret_cast<std::uint8_t*>(block.data());
+  return lzma_stream_buffer_decode(&memory, 0, nullptr, from, &in, packed.size(), to, &out, block.size()) == LZMA_OK &&
+         out == block.size();
+}
+
 class VtuReader {
 public:
   VtuReader(std::string name, std::string bytes)
       : name_(std::move(name)), bytes_(std::move(bytes)), builder_(name_, 0) {}
 
-  MixedMesh read() {
+  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes) {
     parse();
     const pugi::xml_node root = document_.child("VTKFile");
     if (!root) fail("not a VTK XML file");
@@ -54,14 +74,15 @@ public:
     header_bytes_ = std::string_view(root.attribute("header_type").value()) == "UInt64" ? 8 : 4;
     const std::string_view compressor = root.attribute("compressor").value();
     compressed_ = !compressor.empty();
-    if (compressed_ && compressor != "vtkZLibDataCompressor")
-      fail("compressed by " + Cursor::printable(compressor) + ", which is not read (vtkZLibDataCompressor is)");
-    bool any = false;
-    for (const pugi::xml_node piece : root.child("UnstructuredGrid").children("Piece")) {
-      read_piece(piece);
-      any = true;
-    }
-    if (!any) fail("holds no Piece");
+    is_lzma_ = compressor == "vtkLZMADataCompressor";
+    if (compressed_ && !is_lzma_ && compressor != "vtkZLibDataCompressor")
+      fail("compressed by " + Cursor::printable(compressor) +
+           ", which is not read (vtkZLibDataCompressor and vtkLZMADataCompressor are)");
+    const pugi::xml_node grid = root.child("UnstructuredGrid");
+    if (!grid.child("Piece")) fail("holds no Piece");
+    choose_labels(grid.child("Piece"), options, notes);
+    read_names(grid.child("FieldData"));
+    for (const pugi::xml_node piece : grid.children("Piece")) read_piece(piece);
     return builder_.finish();
   }
 
@@ -130,13 +151,11 @@ private:
     for (std::size_t b = 0; b < n_blocks; ++b) {
       const std::uint64_t n = header(sizes, b);
       const std::uint64_t expected = b + 1 == n_blocks && last_size != 0 ? last_size : unpacked_size;
-      if (expected > 1100 * n) fail("a compressed block unpacks to more than it can");  // deflate's limit is 1032
+      // No byte can stand for more: deflate's limit is 1032, that of xz below 10000.
+      if (expected / (is_lzma_ ? 10000 : 1100) > n) fail("a compressed block unpacks to more than it can");
       std::string block(expected, '\0');
-      uLongf length = static_cast<uLongf>(expected);
-      if (uncompress(reinterpret_cast<Bytef*>(block.data()), &length,
-                     reinterpret_cast<const Bytef*>(packed.data() + at), static_cast<uLong>(n)) != Z_OK ||
-          length != expected)
-        fail("a compressed block is damaged");
+      const std::string_view bytes = std::string_view(packed).substr(at, n);
+      if (!(is_lzma_ ? unpack_lzma(bytes, block) : unpack_zlib(bytes, block))) fail("a compressed block is damaged");
       out += block;
       at += n;
     }
@@ -187,6 +206,43 @@ private:
     fail("a DataArray of type \"" + Cursor::printable(type) + "\"");
   }
 
+  static bool is_integer_array(pugi::xml_node array) {
+    return !std::string_view(array.attribute("type").value()).starts_with("Float");
+  }
+
+  void choose_labels(pugi::xml_node piece, const MeshReadOptions& options, MeshReadNotes& notes) {
+    std::vector<CellArrayName> names;
+    for (const pugi::xml_node array : piece.child("CellData").children("DataArray"))
+      names.push_back({array.attribute("Name").value(), is_integer_array(array),
+                       std::max<std::size_t>(array.attribute("NumberOfComponents").as_ullong(1), 1)});
+    const std::size_t chosen = choose_label_array(name_, names, options, notes);
+    if (chosen < names.size()) label_array_ = names[chosen].name;
+  }
+
+  /// Names of labels as our own writer leaves them: arrays of labels called "regions:NAME", "patches:..", "curves:..".
+  void read_names(pugi::xml_node field_data) {
+    std::int64_t group = 0;
+    for (const pugi::xml_node array : field_data.children("DataArray"))
+      for (int dimension = 1; dimension < 4; ++dimension) {
+        const std::string_view name = array.attribute("Name").value();
+        const std::string_view prefix = vtk::group_prefixes[static_cast<std::size_t>(dimension)];
+        if (!name.starts_with(prefix)) continue;
+        for (const std::int64_t label : values<std::int64_t>(array))
+          builder_.add_name(dimension, label, group, std::string(name.substr(prefix.size())));
+        ++group;
+      }
+  }
+
+  std::vector<std::int64_t> read_labels(pugi::xml_node piece, std::size_t n_cells) const {
+    const pugi::xml_node array =
+        piece.child("CellData").find_child_by_attribute("DataArray", "Name", label_array_.c_str());
+    if (label_array_.empty() || !array) return std::vector<std::int64_t>(n_cells, 0);
+    std::vector<std::int64_t> labels =
+        is_integer_array(array) ? values<std::int64_t>(array) : labels_of(name_, label_array_, values<double>(array));
+    if (labels.size() != n_cells) fail("array \"" + label_array_ + "\" holds another number of cells than told");
+    return labels;
+  }
+
   void read_piece(pugi::xml_node piece) {
     const std::size_t n_points = piece.attribute("NumberOfPoints").as_ullong();
     const std::size_t n_cells = piece.attribute("NumberOfCells").as_ullong();
@@ -208,11 +264,7 @@ private:
       if (v < 0 || v >= static_cast<std::int64_t>(n_points)) v = std::int64_t{no_index};  // reported with its cell
       v += v < std::int64_t{no_index} ? first : 0;
     }
-    std::vector<std::int64_t> labels(n_cells, 0);
-    if (const auto found = piece.child("CellData").find_child_by_attribute("DataArray", "Name", "label")) {
-      labels = values<std::int64_t>(found);
-      if (labels.size() != n_cells) fail("label holds another number of cells than told");
-    }
+    const std::vector<std::int64_t> labels = read_labels(piece, n_cells);
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < n_cells; ++c) {
       if (offsets[c] < begin || offsets[c] > static_cast<std::int64_t>(connectivity.size()))
@@ -226,10 +278,10 @@ private:
     n_read_ += n_cells;
   }
 
-  std::string name_, bytes_;
+  std::string name_, bytes_, label_array_;
   pugi::xml_document document_;
   std::string_view appended_;
-  bool appended_is_base64_ = false, compressed_ = false;
+  bool appended_is_base64_ = false, compressed_ = false, is_lzma_ = false;
   std::endian order_ = std::endian::little;
   std::size_t header_bytes_ = 4, n_read_ = 0;
   MeshBuilder builder_;
@@ -237,16 +289,20 @@ private:
 
 }  // namespace detail
 
-/// Reads a VTK XML unstructured grid: text, base64 or raw, inline or appended, compressed by zlib or not. Needs pugixml
-/// and zlib.
+/// Reads a VTK XML unstructured grid: text, base64 or raw, inline or appended, compressed by zlib, xz or not. Needs
+/// pugixml, zlib and liblzma.
 ///
-/// @return its cells, and its triangles, quadrilaterals and lines as faces and edges; the array `label` by cell, where
-///         there is one, gives the labels. Prisms are turned as a whole where the file does not follow VTK's manual.
+/// @param options  which array by cell holds the labels.
+/// @param notes    what else was found, when not null.
+/// @return its cells, and its triangles, quadrilaterals and lines as faces and edges; names of labels where our own writer
+///         left them. Prisms are turned as a whole where the file does not follow VTK's manual.
 /// @throws io_error naming file and line or cell; invalid_connectivity (a vertex out of range) and invalid_coordinate
 ///         (NaN, infinity), both naming the file as well.
 /// @par Complexity   O(n).
-inline MixedMesh read_vtu(const std::filesystem::path& path) {
-  return detail::VtuReader(path.string(), read_file(path)).read();
+inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptions& options = {},
+                          MeshReadNotes* notes = nullptr) {
+  MeshReadNotes ignored;
+  return detail::VtuReader(path.string(), read_file(path)).read(options, notes ? *notes : ignored);
 }
 
 }  // namespace framehex

@@ -40,6 +40,28 @@ inline std::string read_file(const std::filesystem::path& path) {
 
 namespace detail {
 
+inline char lower_case(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// Are two words the same but for upper and lower case? `lower` is in lower case.
+inline bool same_word(std::string_view word, std::string_view lower) {
+  return std::equal(word.begin(), word.end(), lower.begin(), lower.end(),
+                    [](char a, char b) { return lower_case(a) == b; });
+}
+
+inline std::string lower_text(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), lower_case);
+  return lower;
+}
+
+inline std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
 /// Reads numbers and words off a file held in memory; whatever does not fit is an io_error naming file and line.
 class Cursor {
 public:
@@ -50,6 +72,11 @@ public:
   const std::string& name() const { return name_; }
   std::size_t position() const { return at_; }
   std::size_t remaining() const { return bytes_.size() - at_; }
+
+  void move_to(std::size_t position) {
+    if (position > bytes_.size()) fail("the file ends within binary data");
+    at_ = position;
+  }
 
   [[noreturn]] void fail(const std::string& what) const {
     const auto line = static_cast<std::size_t>(
@@ -119,6 +146,12 @@ public:
     return n;
   }
 
+  /// Passes over `n` values of so many bytes.
+  void skip(std::size_t n, std::size_t size = 1) {
+    if (n > remaining() / size) fail("the file ends within binary data");
+    at_ += n * size;
+  }
+
   /// `n` values as they stand in memory, in the byte order told.
   template <class Value>
   void raw(Value* values, std::size_t n, std::endian order = std::endian::native) {
@@ -127,12 +160,6 @@ public:
     at_ += n * sizeof(Value);
     if (order != std::endian::native)
       for (std::size_t i = 0; i < n; ++i) swap_bytes(values[i]);
-  }
-
-  /// Passes over bytes.
-  void skip(std::size_t n) {
-    if (n > remaining()) fail("the file ends within binary data");
-    at_ += n;
   }
 
   template <class Value>

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "framehex/io/input_file.hpp"
+#include "framehex/io/label_arrays.hpp"
 #include "framehex/io/mesh_builder.hpp"
+
+#include <optional>
 
 namespace framehex {
 
@@ -12,32 +15,200 @@ class LegacyVtkReader {
 public:
   LegacyVtkReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 0) {}
 
-  MixedMesh read() {
+  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes) {
     read_header();
-    // What follows the cells (data by cell and point) is not needed.
-    while (types_.empty() || rows_.empty()) {
-      const std::string_view keyword = in_.word();
-      if (keyword == "POINTS")
-        read_points();
-      else if (keyword == "CELLS")
-        read_cells();
-      else if (keyword == "CELL_TYPES")
-        read_types();
-      else if (keyword == "METADATA")
-        skip_metadata();
-      else if (keyword == "FIELD")
-        skip_field();
-      else if (keyword.empty())
-        in_.fail("the file ends without POINTS, CELLS and CELL_TYPES");
-      else
-        in_.fail("unexpected \"" + Cursor::printable(keyword) + "\"");
+    while (read_section(in_.word())) {
     }
+    if (!has_cells()) in_.fail("the file ends without POINTS, CELLS and CELL_TYPES");
     if (types_.size() != rows_.size()) in_.fail("CELLS and CELL_TYPES differ in number");
-    for (std::size_t c = 0; c < types_.size(); ++c) builder_.add_vtk(types_[c], rows_[c], 0, c);
+    std::vector<CellArrayName> names;
+    for (const auto& array : arrays_) names.push_back(array.name);
+    const std::size_t chosen = choose_label_array(in_.name(), names, options, notes);
+    std::vector<std::int64_t> labels(types_.size(), 0);
+    if (chosen < arrays_.size()) labels = labels_of(in_.name(), names[chosen].name, arrays_[chosen].values);
+    for (std::size_t c = 0; c < types_.size(); ++c) builder_.add_vtk(types_[c], rows_[c], labels[c], c);
     return builder_.finish();
   }
 
 private:
+  struct CellArray {
+    CellArrayName name;
+    std::vector<double> values;
+  };
+
+  bool has_cells() const { return !types_.empty() && !rows_.empty(); }
+
+  /// @return false at the end of the file.
+  bool read_section(std::string_view keyword) {
+    if (keyword == "POINTS")
+      read_points();
+    else if (keyword == "CELLS")
+      read_cells();
+    else if (keyword == "CELL_TYPES")
+      read_types();
+    else if (keyword == "METADATA")
+      pass_metadata();
+    else if (keyword == "FIELD")
+      read_field();
+    else if (keyword == "CELL_DATA" || keyword == "POINT_DATA")
+      begin_data(keyword == "CELL_DATA");
+    else if (n_rows_)
+      return read_attribute(keyword);
+    else if (!keyword.empty())
+      in_.fail("unexpected \"" + Cursor::printable(keyword) + "\"");
+    return !keyword.empty();
+  }
+
+  /// Ends with an empty line.
+  void pass_metadata() {
+    in_.line();
+    while (in_.remaining() > 0 && !is_blank(in_.line())) {
+    }
+  }
+
+  /// Each array may have some.
+  void pass_metadata_if_any() {
+    if (in_.peek_word() != "METADATA") return;
+    in_.word();
+    pass_metadata();
+  }
+
+  static bool is_blank(std::string_view line) { return line.find_first_not_of(" \t\r") == line.npos; }
+
+  void begin_data(bool by_cell) {
+    by_cell_ = by_cell;
+    n_rows_ = in_.count("the number of rows", 1);
+    if (by_cell && *n_rows_ != types_.size())
+      in_.fail("CELL_DATA is of " + std::to_string(*n_rows_) + " cells of " + std::to_string(types_.size()));
+    in_.line();
+  }
+
+  /// One attribute of CELL_DATA or POINT_DATA. Those of another kind than scalars are passed over.
+  bool read_attribute(std::string_view keyword) {
+    if (keyword.empty()) return false;
+    const std::string_view name = in_.word();
+    if (keyword == "LOOKUP_TABLE") {
+      const std::size_t n = in_.count("the size of a table", 1);
+      in_.line();
+      pass_values(4 * n, binary_ ? "unsigned_char" : "float");
+    } else if (keyword == "COLOR_SCALARS") {
+      const std::size_t n = in_.count("the number of components", 1);
+      in_.line();
+      pass_values(checked_product(*n_rows_, n), binary_ ? "unsigned_char" : "float");
+    } else if (keyword == "SCALARS") {
+      read_scalars(name);
+    } else if (keyword == "TEXTURE_COORDINATES") {
+      const std::size_t n = in_.count("the number of components", 1);
+      pass_rows(n, in_.word());
+    } else if (const std::size_t n = attribute_components(keyword); n > 0) {
+      pass_rows(n, in_.word());
+    } else {
+      in_.fail("unexpected \"" + Cursor::printable(keyword) + "\"");
+    }
+    return true;
+  }
+
+  static std::size_t attribute_components(std::string_view keyword) {
+    if (keyword == "VECTORS" || keyword == "NORMALS") return 3;
+    if (keyword == "TENSORS") return 9;
+    if (keyword == "TENSORS6") return 6;
+    return keyword == "GLOBAL_IDS" || keyword == "PEDIGREE_IDS" || keyword == "EDGE_FLAGS" ? 1 : 0;
+  }
+
+  void read_scalars(std::string_view name) {
+    const std::string_view type = in_.word();
+    Cursor rest(in_.name(), in_.line());
+    const std::size_t n_components = rest.at_end() ? 1 : rest.number<std::size_t>("the number of components");
+    if (in_.peek_word() == "LOOKUP_TABLE") in_.line(), in_.line();
+    read_array(name, type, n_components, *n_rows_);
+  }
+
+  /// Arrays under one name, each with its own number of rows; those beside CELL_DATA are passed over.
+  void read_field() {
+    in_.word();
+    const std::size_t n = in_.count("the number of arrays", 1);
+    in_.line();
+    for (std::size_t i = 0; i < n; ++i) {
+      pass_metadata_if_any();
+      const std::string_view name = in_.word();
+      const auto n_components = in_.number<std::size_t>("the number of components");
+      const auto n_rows = in_.number<std::size_t>("the number of rows");
+      const std::string_view type = in_.word();
+      in_.line();
+      read_array(name, type, n_components, n_rows);
+    }
+  }
+
+  void read_array(std::string_view name, std::string_view type, std::size_t n_components, std::size_t n_rows) {
+    const bool is_label = by_cell_ && n_rows_ && n_components == 1 && type != "string" && type != "bit";
+    if (!is_label) return pass_values(checked_product(n_rows, n_components), type);
+    if (n_rows != types_.size())
+      in_.fail("array \"" + Cursor::printable(name) + "\" is of " + std::to_string(n_rows) + " cells of " +
+               std::to_string(types_.size()));
+    CellArray& array = arrays_.emplace_back();
+    array.name = {decoded(name), type != "float" && type != "double", 1};
+    array.values = typed_values<double>(n_rows, type);
+  }
+
+  /// Blanks and other characters stand as %20 and so on.
+  static std::string decoded(std::string_view name) {
+    std::string text;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      unsigned code = 0;
+      const bool coded = name[i] == '%' && i + 2 < name.size() &&
+                         std::from_chars(&name[i + 1], &name[i + 1] + 2, code, 16).ptr == &name[i + 1] + 2;
+      text += coded ? static_cast<char>(code) : name[i];
+      if (coded) i += 2;
+    }
+    return text;
+  }
+
+  std::size_t checked_product(std::size_t n, std::size_t k) const {
+    if (k > 0 && n > 8 * in_.remaining() / k + 8) in_.fail("an array is more than the file can hold");
+    return n * k;
+  }
+
+  void pass_rows(std::size_t n_components, std::string_view type) {
+    in_.line();
+    pass_values(checked_product(*n_rows_, n_components), type);
+  }
+
+  void pass_values(std::size_t n, std::string_view type) {
+    if (type == "string") return pass_strings(n);
+    if (!binary_) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (in_.word().empty()) in_.fail("the file ends within an array");
+      return;
+    }
+    if (type == "bit") return in_.skip((n + 7) / 8);
+    in_.skip(n, type_size(type));
+  }
+
+  void pass_strings(std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!binary_) {
+        in_.line();
+        continue;
+      }
+      // The length takes one, two, four or eight bytes, as the first two bits tell.
+      const auto first = in_.raw<std::uint8_t>();
+      const std::size_t n_more = first >= 0xc0 ? 0 : first >= 0x80 ? 1 : first >= 0x40 ? 3 : 7;
+      std::uint64_t length = first & 0x3fu;
+      for (std::size_t k = 0; k < n_more; ++k) length = length << 8 | in_.raw<std::uint8_t>();
+      in_.skip(length);
+    }
+  }
+
+  std::size_t type_size(std::string_view type) const {
+    if (type == "char" || type == "unsigned_char" || type == "signed_char") return 1;
+    if (type == "short" || type == "unsigned_short") return 2;
+    if (type == "int" || type == "unsigned_int" || type == "float" || type == "vtkIdType") return 4;
+    if (type == "long" || type == "unsigned_long" || type == "double" || type == "vtktypeint64" ||
+        type == "vtktypeuint64" || type == "long_long" || type == "unsigned_long_long")
+      return 8;
+    in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
+  }
+
   void read_header() {
     if (!in_.line().starts_with("# vtk DataFile Version")) in_.fail("not a VTK file");
     in_.line();
@@ -62,23 +233,31 @@ private:
     return out;
   }
 
-  std::vector<std::int64_t> integers(std::size_t n, std::string_view type, const char* what) {
-    if (type == "int" || type == "vtkIdType") return values<std::int32_t, std::int64_t>(n, what);
-    if (type == "vtktypeint64" || type == "long") return values<std::int64_t, std::int64_t>(n, what);
-    in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
+  /// Values of any type that the format knows.
+  template <class Value>
+  std::vector<Value> typed_values(std::size_t n, std::string_view type) {
+    const char* const what = "a number of an array";
+    if (type == "float") return values<float, Value>(n, what);
+    if (type == "double") return values<double, Value>(n, what);
+    const bool is_unsigned = type.starts_with("unsigned") || type == "vtktypeuint64";
+    switch (type_size(type)) {
+      case 1: return is_unsigned ? values<std::uint8_t, Value>(n, what) : values<std::int8_t, Value>(n, what);
+      case 2: return is_unsigned ? values<std::uint16_t, Value>(n, what) : values<std::int16_t, Value>(n, what);
+      case 4: return is_unsigned ? values<std::uint32_t, Value>(n, what) : values<std::int32_t, Value>(n, what);
+      default: return is_unsigned ? values<std::uint64_t, Value>(n, what) : values<std::int64_t, Value>(n, what);
+    }
+  }
+
+  std::vector<std::int64_t> integers(std::size_t n, std::string_view type) {
+    if (type == "float" || type == "double") in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
+    return typed_values<std::int64_t>(n, type);
   }
 
   void read_points() {
     const std::size_t n = in_.count("the number of points", 3);
     const std::string_view type = in_.word();
     in_.line();
-    std::vector<double> x;
-    if (type == "float")
-      x = values<float, double>(3 * n, "a coordinate");
-    else if (type == "double")
-      x = values<double, double>(3 * n, "a coordinate");
-    else
-      in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
+    const std::vector<double> x = typed_values<double>(3 * n, type);
     for (std::size_t i = 0; i < n; ++i) builder_.add_point(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
   }
 
@@ -87,7 +266,7 @@ private:
     const std::size_t size = in_.count("the size of the cells", 1);
     in_.line();
     if (in_.peek_word() == "OFFSETS") return read_cells_with_offsets(n, size);
-    const std::vector<std::int64_t> list = integers(size, "int", "a vertex");
+    const std::vector<std::int64_t> list = integers(size, "int");
     std::size_t at = 0;
     for (std::size_t c = 0; c < n; ++c) {
       if (at >= size || list[at] < 0 || static_cast<std::size_t>(list[at]) > size - at - 1)
@@ -103,12 +282,12 @@ private:
     in_.word();
     const std::string_view offset_type = in_.word();
     in_.line();
-    const std::vector<std::int64_t> offsets = integers(n, offset_type, "an offset");
-    skip_metadata_if_any();
+    const std::vector<std::int64_t> offsets = integers(n, offset_type);
+    pass_metadata_if_any();
     if (in_.word() != "CONNECTIVITY") in_.fail("CONNECTIVITY should stand here");
     const std::string_view type = in_.word();
     in_.line();
-    rows_.values = integers(size, type, "a vertex");
+    rows_.values = integers(size, type);
     for (std::size_t c = 0; c < n; ++c)
       if (offsets[c] < (c == 0 ? 0 : offsets[c - 1]) || offsets[c] > static_cast<std::int64_t>(size))
         in_.fail("the offset of cell " + std::to_string(c) + " is out of range");
@@ -116,91 +295,10 @@ private:
     if (rows_.offsets.empty()) rows_.offsets.push_back(0);
   }
 
-  /// A block of lines that ends with an empty one.
-  void skip_metadata() {
-    in_.line();
-    while (in_.remaining() > 0 && !is_blank(in_.line())) {
-    }
-  }
-
-  /// Each array may have one.
-  void skip_metadata_if_any() {
-    if (in_.peek_word() != "METADATA") return;
-    in_.word();
-    skip_metadata();
-  }
-
-  static bool is_blank(std::string_view line) { return line.find_first_not_of(" \t\r") == line.npos; }
-
-  /// Arrays that belong to no cell and no point (of a time, a name...).
-  void skip_field() {
-    in_.word();  // its name
-    const std::size_t n_arrays = in_.count("the number of arrays", 1);
-    for (std::size_t array = 0; array < n_arrays; ++array) {
-      skip_metadata_if_any();
-      in_.word();  // its name
-      const auto n_components = in_.number<std::size_t>("the number of components");
-      const auto n = in_.number<std::size_t>("the number of rows");
-      // Bits are the smallest: eight a byte.
-      if (n_components != 0 && n > 8 * in_.remaining() / n_components) in_.fail("an array is larger than the file");
-      const std::string_view type = in_.word();
-      in_.line();
-      skip_values(n * n_components, type);
-    }
-  }
-
-  void skip_values(std::size_t n, std::string_view type) {
-    if (type == "string") {
-      for (std::size_t i = 0; i < n; ++i) skip_string();
-    } else if (!binary_) {
-      for (std::size_t i = 0; i < n; ++i)
-        if (in_.word().empty()) in_.fail("the file ends within an array");
-    } else if (type == "bit") {
-      in_.skip((n + 7) / 8);
-    } else {
-      const std::size_t size = size_of(type);
-      if (n > in_.remaining() / size) in_.fail("the file ends within binary data");
-      in_.skip(n * size);
-    }
-  }
-
-  /// Text files: a line each. Binary ones: the length first, in as many bytes as its two highest bits tell.
-  void skip_string() {
-    if (!binary_) {
-      in_.line();
-      return;
-    }
-    const auto first = in_.raw<std::uint8_t>();
-    std::size_t length = first & 0x3f;
-    for (int more = first >> 6 == 3 ? 0 : first >> 6 == 2 ? 1 : first >> 6 == 1 ? 3 : 7; more > 0; --more)
-      length = length << 8 | in_.raw<std::uint8_t>();
-    in_.skip(length);
-  }
-
-  std::size_t size_of(std::string_view type) const {
-    constexpr std::array<std::pair<std::string_view, std::size_t>, 14> sizes{{{"char", 1},
-                                                                              {"signed_char", 1},
-                                                                              {"unsigned_char", 1},
-                                                                              {"short", 2},
-                                                                              {"unsigned_short", 2},
-                                                                              {"int", 4},
-                                                                              {"unsigned_int", 4},
-                                                                              {"float", 4},
-                                                                              {"long", 8},
-                                                                              {"unsigned_long", 8},
-                                                                              {"double", 8},
-                                                                              {"vtkIdType", 4},
-                                                                              {"vtktypeint64", 8},
-                                                                              {"vtktypeuint64", 8}}};
-    for (const auto& [name, size] : sizes)
-      if (name == type) return size;
-    in_.fail("unknown type \"" + Cursor::printable(type) + "\"");
-  }
-
   void read_types() {
     const std::size_t n = in_.count("the number of cell types", 1);
     in_.line();
-    types_ = integers(n, "int", "a cell type");
+    types_ = integers(n, "int");
   }
 
   Cursor in_;
@@ -208,20 +306,27 @@ private:
   bool binary_ = false;
   Csr<std::int64_t> rows_;
   std::vector<std::int64_t> types_;
+  std::optional<std::size_t> n_rows_;  // of CELL_DATA or POINT_DATA, within them
+  bool by_cell_ = false;
+  std::vector<CellArray> arrays_;  // by cell, of one component
 };
 
 }  // namespace detail
 
 /// Reads an unstructured grid in VTK's legacy format, text or binary, of versions 1 to 5.1.
 ///
-/// @return its cells, and its triangles, quadrilaterals and lines as faces and edges (label 0). Prisms are turned as a
-///         whole where the file does not follow VTK's manual.
+/// @param options  which array by cell holds the labels.
+/// @param notes    what else was found, when not null.
+/// @return its cells, and its triangles, quadrilaterals and lines as faces and edges. Prisms are turned as a whole where
+///         the file does not follow VTK's manual.
 /// @throws io_error naming file and line or cell; invalid_connectivity (a vertex out of range) and invalid_coordinate
 ///         (NaN, infinity), both naming the file as well.
 /// @par Complexity   O(n).
-inline MixedMesh read_legacy_vtk(const std::filesystem::path& path) {
+inline MixedMesh read_legacy_vtk(const std::filesystem::path& path, const MeshReadOptions& options = {},
+                                 MeshReadNotes* notes = nullptr) {
   const std::string bytes = read_file(path);
-  return detail::LegacyVtkReader(path.string(), bytes).read();
+  MeshReadNotes ignored;
+  return detail::LegacyVtkReader(path.string(), bytes).read(options, notes ? *notes : ignored);
 }
 
 }  // namespace framehex

@@ -11,10 +11,34 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <tuple>
 
 namespace framehex {
 
 namespace detail {
+
+/// Labels as they are counted here, from 0: as in the file but for the usual first number, or by rank where some are out
+/// of the usual range.
+class LabelNumbers {
+public:
+  LabelNumbers(std::vector<std::int64_t> raw, std::int64_t first) : first_(first), values_(std::move(raw)) {
+    usual_ = std::all_of(values_.begin(), values_.end(),
+                         [&](std::int64_t l) { return l >= first && l - first < std::int64_t{1} << 31; });
+    std::sort(values_.begin(), values_.end());
+    values_.erase(std::unique(values_.begin(), values_.end()), values_.end());
+  }
+
+  bool contains(std::int64_t raw) const { return std::binary_search(values_.begin(), values_.end(), raw); }
+  index_t operator()(std::int64_t raw) const {
+    if (usual_) return static_cast<index_t>(raw - first_);
+    return static_cast<index_t>(std::lower_bound(values_.begin(), values_.end(), raw) - values_.begin());
+  }
+
+private:
+  std::int64_t first_;
+  std::vector<std::int64_t> values_;  // ascending
+  bool usual_;
+};
 
 /// Gathers what a reader finds, and checks it: indices in range, coordinates finite.
 class MeshBuilder {
@@ -47,6 +71,11 @@ public:
       if (corner > greatest_) greatest_ = corner, greatest_user_ = number;
   }
 
+  /// Gives the elements of a label a name; a label may have several, and a name several labels.
+  void add_name(int dimension, std::int64_t label, std::int64_t group, const std::string& name) {
+    names_.push_back({dimension, group, label, name});
+  }
+
   /// Adds a cell by VTK's type; vertices and polygonal lines are passed over.
   void add_vtk(std::int64_t type, std::span<const std::int64_t> corners, std::int64_t label, std::size_t number) {
     const auto expect = [&](std::size_t n) {
@@ -62,6 +91,8 @@ public:
       case vtk::line: expect(2); return add(1, {}, corners, label, number);
       case vtk::triangle: expect(3); return add(2, {}, corners, label, number);
       case vtk::quad: expect(4); return add(2, {}, corners, label, number);
+      case vtk::pixel: expect(4); return add(2, {}, turned<4>(corners), label, number);
+      case vtk::voxel: expect(8); return add(3, CellKind::hexahedron, turned<8>(corners), label, number);
       default: break;
     }
     for (const CellKind kind : all_cell_kinds)
@@ -87,12 +118,7 @@ public:
                                  Entity::vertex, {v});
     if (mesh_.n_cells() == 0) throw io_error(name_ + ": holds no tetrahedron, pyramid, prism or hexahedron");
     turn_prisms();
-    const auto edge_labels = dense_labels(labels_[1]), face_labels = dense_labels(labels_[2]);
-    for (std::size_t i = 0; i < edge_labels.size(); ++i) mesh_.edges[i].label = edge_labels[i];
-    for (std::size_t i = 0; i < face_labels.size(); ++i) mesh_.faces[i].label = face_labels[i];
-    const bool one_region =
-        std::all_of(labels_[3].begin(), labels_[3].end(), [&](std::int64_t l) { return l == labels_[3][0]; });
-    if (!one_region) mesh_.regions = dense_labels(labels_[3]);
+    set_labels();
     return std::move(mesh_);
   }
 
@@ -121,29 +147,56 @@ private:
       }
   }
 
-  /// Labels counted from 0: as in the file but for its first number, or by rank where some are out of the usual range.
-  std::vector<index_t> dense_labels(const std::vector<std::int64_t>& raw) const {
-    std::vector<index_t> labels;
-    labels.reserve(raw.size());
-    const bool usual = std::all_of(raw.begin(), raw.end(), [&](std::int64_t l) {
-      return l >= first_label_ && l - first_label_ < std::int64_t{1} << 31;
-    });
-    if (usual) {
-      for (const std::int64_t l : raw) labels.push_back(static_cast<index_t>(l - first_label_));
-      return labels;
-    }
-    std::vector<std::int64_t> values = raw;
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-    for (const std::int64_t l : raw)
-      labels.push_back(static_cast<index_t>(std::lower_bound(values.begin(), values.end(), l) - values.begin()));
-    return labels;
+  /// Voxels and pixels count corners along x first, then y, then z.
+  template <std::size_t N>
+  static std::array<std::int64_t, N> turned(std::span<const std::int64_t> corners) {
+    constexpr std::array<std::size_t, 8> order{0, 1, 3, 2, 4, 5, 7, 6};
+    std::array<std::int64_t, N> ours{};
+    for (std::size_t i = 0; i < N; ++i) ours[i] = corners[order[i]];
+    return ours;
   }
+
+  void set_labels() {
+    std::array<LabelNumbers, 4> number{LabelNumbers{{}, first_label_}, LabelNumbers{labels_[1], first_label_},
+                                       LabelNumbers{labels_[2], first_label_}, LabelNumbers{labels_[3], first_label_}};
+    for (std::size_t i = 0; i < mesh_.edges.size(); ++i) mesh_.edges[i].label = number[1](labels_[1][i]);
+    for (std::size_t i = 0; i < mesh_.faces.size(); ++i) mesh_.faces[i].label = number[2](labels_[2][i]);
+    for (const std::int64_t label : labels_[3]) mesh_.regions.push_back(number[3](label));
+    // A single region without a number of its own is none.
+    if (std::all_of(mesh_.regions.begin(), mesh_.regions.end(), [](index_t r) { return r == 0; }))
+      mesh_.regions.clear();
+    std::stable_sort(names_.begin(), names_.end(), [](const Name& a, const Name& b) {
+      return std::tie(a.dimension, a.group, a.label) < std::tie(b.dimension, b.group, b.label);
+    });
+    const LabelNumbers groups(group_numbers(), first_label_);
+    for (const Name& name : names_) {
+      const LabelNumbers& label = number[static_cast<std::size_t>(name.dimension)];
+      if (!label.contains(name.label)) continue;
+      const index_t group = groups(name.group);
+      if (mesh_.groups.empty() || mesh_.groups.back().dimension != name.dimension ||
+          mesh_.groups.back().number != group)
+        mesh_.groups.push_back({name.dimension, group, name.name, {}});
+      mesh_.groups.back().labels.push_back(label(name.label));
+    }
+  }
+
+  std::vector<std::int64_t> group_numbers() const {
+    std::vector<std::int64_t> numbers;
+    for (const Name& name : names_) numbers.push_back(name.group);
+    return numbers;
+  }
+
+  struct Name {
+    int dimension;
+    std::int64_t group, label;
+    std::string name;
+  };
 
   std::string name_;
   std::int64_t first_label_;
   MixedMesh mesh_;
   std::array<std::vector<std::int64_t>, 4> labels_;  // by dimension
+  std::vector<Name> names_;
   std::int64_t greatest_ = -1;
   std::size_t greatest_user_ = 0;
 };

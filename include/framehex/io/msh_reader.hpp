@@ -5,6 +5,7 @@
 #include "framehex/io/mesh_builder.hpp"
 
 #include <map>
+#include <set>
 #include <unordered_map>
 
 namespace framehex {
@@ -19,8 +20,10 @@ public:
     if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
     read_format();
     for (std::string_view section = next_section(); !section.empty(); section = next_section()) {
-      if (section == "$Nodes")
-        version_ == 2 ? read_nodes_2() : read_nodes_4();
+      if (section == "$Nodes" || section == "$ParametricNodes")
+        version_ == 2 ? read_nodes_2(section) : read_nodes_4();
+      else if (section == "$PhysicalNames")
+        read_names();
       else if (section == "$Elements")
         version_ == 2 ? read_elements_2() : read_elements_4();
       else if (section == "$Entities" && version_ == 4)
@@ -28,6 +31,7 @@ public:
       else
         skip_section(section);
     }
+    name_labels();
     return builder_.finish();
   }
 
@@ -102,6 +106,35 @@ private:
     return static_cast<std::size_t>(n);
   }
 
+  /// Lines of a dimension, a number and a name in quotes, in text always.
+  void read_names() {
+    const std::size_t n = in_.count("the number of names", 6);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int dimension = in_.number<int>("a dimension");
+      const auto group = in_.number<std::int64_t>("a physical group");
+      const std::string_view line = in_.line();
+      const std::size_t begin = line.find('"'), end = line.rfind('"');
+      if (begin == line.npos || end == begin) in_.fail("a name in quotes should stand here");
+      names_[{dimension, group}] = line.substr(begin + 1, end - begin - 1);
+    }
+    end_section("$EndPhysicalNames");
+  }
+
+  void add_names(int dimension, std::int64_t label, const std::vector<std::int64_t>& groups) {
+    if (dimension == 0) return;
+    for (const std::int64_t group : groups) {
+      const auto name = names_.find({dimension, group});
+      const bool named = name != names_.end() && !name->second.empty();
+      constexpr std::array<const char*, 4> prefix{"", "curve_", "patch_", "region_"};
+      // A group without a name is told by its elements' labels, unless they have several.
+      if (named)
+        builder_.add_name(dimension, label, group, name->second);
+      else if (groups.size() > 1)
+        builder_.add_name(dimension, label, group,
+                          prefix[static_cast<std::size_t>(dimension)] + std::to_string(group - 1));
+    }
+  }
+
   void add_node(std::int64_t tag) {
     const auto x = get<double>("a coordinate"), y = get<double>("a coordinate"), z = get<double>("a coordinate");
     set_node(tag, x, y, z);
@@ -125,11 +158,19 @@ private:
     builder_.add(type.dimension, type.kind, tags, label, static_cast<std::size_t>(number));
   }
 
-  void read_nodes_2() {
+  void read_nodes_2(std::string_view section) {
+    const bool parametric = section == "$ParametricNodes";
     const std::size_t n = in_.count("the number of nodes", 7);
     in_.line();
-    for (std::size_t i = 0; i < n; ++i) add_node(get_int("a node's number"));
-    end_section("$EndNodes");
+    for (std::size_t i = 0; i < n; ++i) {
+      add_node(get_int("a node's number"));
+      if (!parametric) continue;
+      const std::int64_t dimension = get_int("a dimension");
+      get_int("an entity");
+      // A node on a curve has one, a node on a surface two.
+      for (std::int64_t p = 0; p < (dimension == 3 ? 0 : dimension) && p < 2; ++p) get<double>("a parameter");
+    }
+    end_section(parametric ? "$EndParametricNodes" : "$EndNodes");
   }
 
   void read_elements_2() {
@@ -164,16 +205,44 @@ private:
       for (std::size_t i = 0; i < n[static_cast<std::size_t>(dimension)]; ++i) {
         const std::int64_t tag = get_int("an entity's number");
         for (int x = 0; x < (dimension == 0 ? 3 : 6); ++x) get<double>("a coordinate");
-        const std::size_t n_physical = get_count("the number of physical groups");
-        for (std::size_t p = 0; p < n_physical; ++p) {
-          const std::int64_t group = get_int("a physical group");
-          if (p == 0) physical_[{dimension, tag}] = group;
-        }
+        std::vector<std::int64_t>& groups = groups_[{dimension, tag}];
+        groups.resize(get_count("the number of physical groups"));
+        for (std::int64_t& group : groups) group = std::abs(get_int("a physical group"));  // the sign is an orientation
         if (dimension == 0) continue;
         const std::size_t n_bounding = get_count("the number of bounding entities");
         for (std::size_t b = 0; b < n_bounding; ++b) get_int("a bounding entity");
       }
     end_section("$EndEntities");
+    label_entities();
+  }
+
+  /// Entities of the same groups have one label: the group's number where it is one, else the first group's or, where
+  /// other entities have that, a new one.
+  void label_entities() {
+    std::map<int, std::set<std::int64_t>> taken;
+    for (const auto& [entity, groups] : groups_) {
+      taken[entity.first].insert(groups.begin(), groups.end());
+      if (groups.size() == 1) label_of_groups_[{entity.first, groups}] = groups[0];
+    }
+    for (const auto& [entity, groups] : groups_) {
+      if (groups.empty()) continue;
+      const auto [at, is_new] = label_of_groups_.try_emplace({entity.first, groups}, 0);
+      std::set<std::int64_t>& numbers = taken[entity.first];
+      if (is_new) {
+        const bool first_is_free = std::none_of(
+            label_of_groups_.begin(), label_of_groups_.end(),
+            [&](const auto& other) { return other.first.first == entity.first && other.second == groups[0]; });
+        at->second = first_is_free ? groups[0] : std::max(*numbers.rbegin() + 1, std::int64_t{1});
+        numbers.insert(at->second);
+      }
+      label_of_entity_[entity] = at->second;
+    }
+  }
+
+  void name_labels() {
+    if (version_ == 2)
+      for (const auto& [group, name] : names_) add_names(group.first, group.second, {group.second});
+    for (const auto& [key, label] : label_of_groups_) add_names(key.first, label, key.second);
   }
 
   void read_nodes_4() {
@@ -181,12 +250,16 @@ private:
     for (int i = 0; i < 3; ++i) get_size("a number of nodes");
     std::vector<std::int64_t> tags;
     for (std::size_t block = 0; block < n_blocks; ++block) {
-      get_int("a dimension");
+      const std::int64_t dimension = get_int("a dimension");
       get_int("an entity");
-      if (get_int("whether parameters follow") != 0) in_.fail("nodes with parameters are not read");
+      const bool parametric = get_int("whether parameters follow") != 0;
       tags.resize(get_count("the number of nodes of a block"));
       for (std::int64_t& tag : tags) tag = static_cast<std::int64_t>(get_size("a node's number"));
-      for (const std::int64_t tag : tags) add_node(tag);
+      for (const std::int64_t tag : tags) {
+        add_node(tag);
+        for (std::int64_t i = 0; parametric && i < std::min<std::int64_t>(dimension, 3); ++i)
+          get<double>("a parameter");
+      }
     }
     end_section("$EndNodes");
   }
@@ -200,8 +273,8 @@ private:
       const std::int64_t entity = get_int("an entity");
       const ElementType type = element_type(get_int("an element type"));
       const std::size_t n = get_count("the number of elements of a block");
-      const auto group = physical_.find({dimension, entity});
-      const std::int64_t label = group != physical_.end() ? group->second : 0;
+      const auto labelled = label_of_entity_.find({dimension, entity});
+      const std::int64_t label = labelled != label_of_entity_.end() ? labelled->second : 0;
       for (std::size_t i = 0; i < n; ++i) {
         const auto number = static_cast<std::int64_t>(get_size("an element's number"));
         for (std::size_t c = 0; c < type.n_corners; ++c) corners[c] = static_cast<std::int64_t>(get_size("a node"));
@@ -217,7 +290,11 @@ private:
   bool binary_ = false;
   std::endian order_ = std::endian::native;
   std::unordered_map<std::int64_t, std::int64_t> index_of_tag_;
-  std::map<std::pair<int, std::int64_t>, std::int64_t> physical_;  // of an entity (dimension, number)
+  using Key = std::pair<int, std::int64_t>;                                            // dimension and number
+  std::map<Key, std::string> names_;                                                   // of physical groups
+  std::map<Key, std::vector<std::int64_t>> groups_;                                    // of entities
+  std::map<std::pair<int, std::vector<std::int64_t>>, std::int64_t> label_of_groups_;  // dimension and groups
+  std::map<Key, std::int64_t> label_of_entity_;
 };
 
 }  // namespace detail
@@ -225,7 +302,7 @@ private:
 /// Reads a mesh in Gmsh's format, version 2 or 4.1, text or binary.
 ///
 /// @return cells, faces and edges with the number of their first physical group less one as labels (by rank where one
-///         has none).
+///         has none); names of groups. Entities that have a first group in common but not all have labels of their own.
 /// @throws io_error naming file and line; invalid_connectivity (a node that does not exist) and invalid_coordinate
 ///         (NaN, infinity), both naming the file as well. Elements are named by their numbers in the file.
 /// @par Complexity   O(n).

@@ -36,6 +36,12 @@ struct MshBlocks {
   std::map<std::pair<int, index_t>, std::array<Vector3, 2>> entities;  // with their bounding boxes
   std::size_t n_elements = 0;
 
+  std::vector<std::pair<int, index_t>> entity_list() const {
+    std::vector<std::pair<int, index_t>> list;
+    for (const auto& [entity, box] : entities) list.push_back(entity);
+    return list;
+  }
+
   explicit MshBlocks(const MixedMesh& mesh) {
     for (const LabelledEdge& edge : mesh.edges) add(mesh, 1, edge.label, edge.vertices);
     for (const LabelledFace& face : mesh.faces) add(mesh, 2, face.label, std::span(face.vertices).first(face.size()));
@@ -63,7 +69,45 @@ inline int msh_tag(index_t label) {
   return static_cast<int>(label) + 1;
 }
 
-inline void write_msh_entities(OutputFile& file, const MshBlocks& blocks) {
+/// Physical groups of the entities that a file holds: those that the mesh names, and one of its own for each other label.
+class MshGroups {
+public:
+  MshGroups(const MixedMesh& mesh, const std::vector<std::pair<int, index_t>>& entities) {
+    for (const LabelGroup& group : mesh.groups)
+      for (const index_t label : group.labels)
+        if (std::binary_search(entities.begin(), entities.end(), std::pair(group.dimension, label)))
+          add({group.dimension, label}, group.number, group.name);
+    constexpr std::array<const char*, 4> prefix{"", "curve_", "patch_", "region_"};
+    for (const auto& entity : entities)
+      if (!tags_.contains(entity))
+        add(entity, entity.second, prefix[static_cast<std::size_t>(entity.first)] + std::to_string(entity.second));
+  }
+
+  const std::vector<int>& tags(const std::pair<int, index_t>& entity) const { return tags_.at(entity); }
+
+  /// The section of names, in text. Quotes would end a name.
+  std::string names() const {
+    std::string text = "$PhysicalNames\n" + std::to_string(names_.size()) + "\n";
+    for (const auto& [group, name] : names_) {
+      std::string plain = name;
+      std::replace_if(
+          plain.begin(), plain.end(), [](char c) { return c == '"' || c == '\n' || c == '\r'; }, '\'');
+      text += std::to_string(group.first) + " " + std::to_string(group.second) + " \"" + plain + "\"\n";
+    }
+    return text + "$EndPhysicalNames\n";
+  }
+
+private:
+  void add(const std::pair<int, index_t>& entity, index_t number, const std::string& name) {
+    tags_[entity].push_back(msh_tag(number));
+    names_.try_emplace({entity.first, msh_tag(number)}, name);
+  }
+
+  std::map<std::pair<int, index_t>, std::vector<int>> tags_;  // of an entity
+  std::map<std::pair<int, int>, std::string> names_;          // by dimension and tag
+};
+
+inline void write_msh_entities(OutputFile& file, const MshBlocks& blocks, const MshGroups& groups) {
   std::array<std::uint64_t, 4> n{};
   for (const auto& [entity, box] : blocks.entities) ++n[static_cast<std::size_t>(entity.first)];
   file.write("$Entities\n");
@@ -72,9 +116,10 @@ inline void write_msh_entities(OutputFile& file, const MshBlocks& blocks) {
     file.write_value(msh_tag(entity.second));
     file.write_values(box[0].data(), 3);
     file.write_values(box[1].data(), 3);
-    file.write_value(std::uint64_t{1});
-    file.write_value(msh_tag(entity.second));  // its physical group
-    file.write_value(std::uint64_t{0});        // what bounds it is not written
+    const std::vector<int>& tags = groups.tags(entity);
+    file.write_value(std::uint64_t{tags.size()});
+    file.write_values(tags.data(), tags.size());
+    file.write_value(std::uint64_t{0});  // what bounds it is not written
   }
   file.write("\n$EndEntities\n");
 }
@@ -116,8 +161,8 @@ inline void write_msh_elements(OutputFile& file, const MshBlocks& blocks) {
 /// Writes a mesh in Gmsh's MSH format, version 4.1, binary.
 ///
 /// @param path  the file; appears whole or not at all (`OutputFile`).
-/// @param mesh  each label of regions, faces and edges makes an entity and a physical group of that number plus one
-///              (Gmsh counts from 1), named `region_0`, `patch_0`, `curve_0` and so on.
+/// @param mesh  each label of regions, faces and edges makes an entity of that number plus one (Gmsh counts from 1), in
+///              the physical groups that `mesh.groups` names, or one of its own named `region_0`, `patch_0`, `curve_0`...
 /// @throws io_error naming the file; for a label beyond 2^31 - 2 too.
 /// @par Complexity   O(n log labels); connectivity is held once more in memory.
 /// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
@@ -125,16 +170,12 @@ inline void write_msh_elements(OutputFile& file, const MshBlocks& blocks) {
 inline void write_msh(const std::filesystem::path& path, const MixedMesh& mesh) {
   detail::check_labels_fit(path.string(), mesh);
   const detail::MshBlocks blocks(mesh);
+  const detail::MshGroups groups(mesh, blocks.entity_list());
   OutputFile file(path);
   file.write("$MeshFormat\n4.1 1 8\n");
   file.write_value(1);  // shows the byte order
-  file.write("\n$EndMeshFormat\n$PhysicalNames\n" + std::to_string(blocks.entities.size()) + "\n");
-  constexpr std::array<const char*, 4> prefix{"", "curve_", "patch_", "region_"};
-  for (const auto& [entity, box] : blocks.entities)
-    file.write(std::to_string(entity.first) + " " + std::to_string(detail::msh_tag(entity.second)) + " \"" +
-               prefix[static_cast<std::size_t>(entity.first)] + std::to_string(entity.second) + "\"\n");
-  file.write("$EndPhysicalNames\n");
-  detail::write_msh_entities(file, blocks);
+  file.write("\n$EndMeshFormat\n" + groups.names());
+  detail::write_msh_entities(file, blocks, groups);
   detail::write_msh_nodes(file, mesh, blocks);
   detail::write_msh_elements(file, blocks);
   file.commit();

@@ -15,17 +15,22 @@ namespace framehex {
 /// What a file of triangles comes to: a surface whose triangles share vertices and look outward.
 struct SoupSurface {
   IndexedTriangleMesh surface;
-  std::size_t n_soup_vertices = 0;      ///< before welding
-  std::size_t n_dropped_triangles = 0;  ///< two corners welded into one
-  std::size_t n_turned_triangles = 0;   ///< orientation was changed
-  bool welded_by_tolerance = false;     ///< equal coordinates were not enough to close the surface
+  std::vector<index_t> soup_triangles;  ///< of each triangle of the surface, its number in the soup
+  std::vector<index_t> polygons;        ///< of each triangle of the surface, its polygon's number in the file, or empty
+  std::vector<index_t> patches;         ///< of each triangle of the surface, its label in the file, or empty
+  std::vector<std::string> patch_names;  ///< by label
+  std::size_t n_soup_vertices = 0;       ///< before welding
+  std::size_t n_dropped_triangles = 0;   ///< two corners welded into one
+  std::size_t n_turned_triangles = 0;    ///< orientation was changed
+  bool welded_by_tolerance = false;      ///< equal coordinates were not enough to close the surface
+  double rounding = 0;                   ///< most that a coordinate lost when the file was written in single precision
 };
 
 namespace detail {
 
 /// Vertices with the same coordinates (or within `tolerance` along each axis, chains included) become one, the first;
-/// those that no triangle uses go.
-inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double tolerance) {
+/// those that no triangle uses go. `kept` becomes the soup's number of each triangle that stays.
+inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double tolerance, std::vector<index_t>& kept) {
   const std::size_t n = soup.points.size();
   std::vector<index_t> order(n), parent(n);
   std::iota(order.begin(), order.end(), index_t{0});
@@ -51,10 +56,13 @@ inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double toleranc
 
   IndexedTriangleMesh welded;
   std::vector<std::uint8_t> used(n, 0);
-  for (const auto& t : soup.triangles) {
+  kept.clear();
+  for (index_t number = 0; number < soup.triangles.size(); ++number) {
+    const auto& t = soup.triangles[number];
     const std::array<index_t, 3> corners{root(t[0]), root(t[1]), root(t[2])};
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     welded.triangles.push_back(corners);
+    kept.push_back(number);
     for (const index_t v : corners) used[v] = 1;
   }
   std::vector<index_t> number(n, no_index);
@@ -218,6 +226,25 @@ inline void append_polygon(IndexedTriangleMesh& soup, std::vector<index_t> polyg
   if (polygon.size() == 3) soup.triangles.push_back({polygon[0], polygon[1], polygon[2]});
 }
 
+namespace detail {
+
+/// @throws invalid_coordinate, invalid_connectivity  with the vertex or triangle.
+inline void check_soup(const IndexedTriangleMesh& soup) {
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    for (const index_t v : soup.triangles[t]) {
+      if (v >= soup.points.size())
+        throw invalid_connectivity("triangle " + std::to_string(t) + " refers to vertex " + std::to_string(v) + " of " +
+                                       std::to_string(soup.points.size()),
+                                   Entity::triangle, {t});
+      if (!soup.points[v].allFinite())
+        throw invalid_coordinate("vertex " + std::to_string(v) + " (of triangle " + std::to_string(t) +
+                                     ") has a coordinate that is not finite",
+                                 Entity::vertex, {v});
+    }
+}
+
+}  // namespace detail
+
 /// Makes a surface of triangles that need not know each other.
 ///
 /// Vertices of equal coordinates are welded; where that leaves edges open and a tolerance of 1e-6 of the box's diagonal
@@ -230,26 +257,18 @@ inline void append_polygon(IndexedTriangleMesh& soup, std::vector<index_t> polyg
 /// @par Complexity   O(n log n), and O(n) for each part of more than one.
 /// @par Determinism  Vertices and triangles keep their order; of welded vertices the first stays.
 inline SoupSurface surface_of_soup(const IndexedTriangleMesh& soup) {
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
-    for (const index_t v : soup.triangles[t]) {
-      if (v >= soup.points.size())
-        throw invalid_connectivity("triangle " + std::to_string(t) + " refers to vertex " + std::to_string(v) + " of " +
-                                       std::to_string(soup.points.size()),
-                                   Entity::triangle, {t});
-      if (!soup.points[v].allFinite())
-        throw invalid_coordinate("vertex " + std::to_string(v) + " (of triangle " + std::to_string(t) +
-                                     ") has a coordinate that is not finite",
-                                 Entity::vertex, {v});
-    }
+  detail::check_soup(soup);
   SoupSurface result;
   result.n_soup_vertices = soup.points.size();
-  result.surface = detail::weld(soup, 0.0);
+  result.surface = detail::weld(soup, 0.0, result.soup_triangles);
   if (!detail::EdgeUses(result.surface).closed()) {
     Eigen::AlignedBox3d box;
     for (const Vector3& p : result.surface.points) box.extend(p);
-    IndexedTriangleMesh tolerant = detail::weld(soup, 1e-6 * box.diagonal().norm());
+    std::vector<index_t> kept;
+    IndexedTriangleMesh tolerant = detail::weld(soup, 1e-6 * box.diagonal().norm(), kept);
     if (detail::EdgeUses(tolerant).closed()) {
       result.surface = std::move(tolerant);
+      result.soup_triangles = std::move(kept);
       result.welded_by_tolerance = true;
     }
   }

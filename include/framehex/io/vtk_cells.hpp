@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 /// VTK's numbers for the cells, and its order of their corners.
 namespace framehex::vtk {
@@ -15,12 +16,17 @@ enum CellType : std::uint8_t {
   line = 3,
   poly_line = 4,
   triangle = 5,
+  pixel = 8,
   quad = 9,
   tetrahedron = 10,
+  voxel = 11,
   hexahedron = 12,
   wedge = 13,
   pyramid = 14
 };
+
+/// What the names of field data that name labels begin with, by dimension.
+inline constexpr std::array<std::string_view, 4> group_prefixes{"points:", "curves:", "patches:", "regions:"};
 
 constexpr CellType cell_type(CellKind kind) {
   constexpr std::array<CellType, 4> types{tetrahedron, pyramid, wedge, hexahedron};

@@ -9,8 +9,15 @@
 #include <bit>
 #include <functional>
 #include <limits>
+#include <memory>
 
 namespace framehex {
+
+/// How arrays of a file are compressed; nothing by default. `zlib_compression` of the adapters makes one.
+struct VtuCompression {
+  std::string name = {};                                   ///< VTK's name of the compressor
+  std::function<std::string(std::string_view)> pack = {};  ///< bytes -> compressed bytes
+};
 
 namespace detail {
 
@@ -68,47 +75,104 @@ inline std::string xml_escaped(std::string_view text) {
   return out;
 }
 
-/// One appended array: its element in the XML part, and where its bytes stand.
-class VtuArrays {
+/// The XML part of a file, and the arrays appended to it.
+///
+/// Their bytes stand in the opposite order of their elements. Readers that renumber offsets while they go through the
+/// bytes, and look for elements from the top (meshio 5.3 does), else take an element already renumbered for a later one.
+class VtuDocument {
 public:
+  explicit VtuDocument(const VtuCompression& compression) : compression_(compression) {}
+
+  void text(std::string xml) { parts_.push_back({std::move(xml), 0, {}}); }
+
   /// @param n_padding  values to add at the end, for the cells that have none.
   template <class Value>
-  std::string add(const std::string& name, std::size_t n_components, const Value* values, std::size_t n,
-                  std::size_t n_padding = 0) {
+  void array(const std::string& name, std::size_t n_components, const Value* values, std::size_t n,
+             std::size_t n_padding = 0) {
     static_assert(sizeof(Value) <= 8);
     const char* const family = std::is_floating_point_v<Value> ? "Float" : std::is_signed_v<Value> ? "Int" : "UInt";
     std::string element = "        <DataArray type=\"" + std::string(family) + std::to_string(8 * sizeof(Value)) +
                           "\" Name=\"" + xml_escaped(name) + "\"";
     if (n_components != 1) element += " NumberOfComponents=\"" + std::to_string(n_components) + "\"";
-    element += " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
-    offset_ += sizeof(std::uint64_t) + (n + n_padding) * sizeof(Value);
-    blocks_.push_back([=](OutputFile& file) {
-      file.write_value(static_cast<std::uint64_t>((n + n_padding) * sizeof(Value)));
-      file.write_values(values, n);
-      constexpr Value padding = std::is_floating_point_v<Value> ? std::numeric_limits<Value>::quiet_NaN() : Value{};
-      const std::vector<Value> tail(n_padding, padding);
-      file.write_values(tail.data(), n_padding);
-    });
-    return element;
+    constexpr Value padding = std::is_floating_point_v<Value> ? std::numeric_limits<Value>::quiet_NaN() : Value{};
+    if (compression_.pack) {
+      std::vector<Value> all(n + n_padding, padding);
+      std::copy_n(values, n, all.begin());
+      auto bytes = std::make_shared<const std::string>(
+          packed({reinterpret_cast<const char*>(all.data()), all.size() * sizeof(Value)}));
+      parts_.push_back({element, bytes->size(), [bytes](OutputFile& file) { file.write(*bytes); }});
+      return;
+    }
+    parts_.push_back({element, sizeof(std::uint64_t) + (n + n_padding) * sizeof(Value), [=](OutputFile& file) {
+                        file.write_value(static_cast<std::uint64_t>((n + n_padding) * sizeof(Value)));
+                        file.write_values(values, n);
+                        const std::vector<Value> tail(n_padding, padding);
+                        file.write_values(tail.data(), n_padding);
+                      }});
   }
 
-  std::string add(const DataArray& array, std::size_t n_padded_rows) {
+  void array(const DataArray& array, std::size_t n_padded_rows) {
     const std::size_t n_padding = (n_padded_rows - array.size()) * array.n_components;
-    return std::visit(
+    std::visit(
         [&](const auto& values) {
-          return add(array.name, array.n_components, values.data(), values.size(), n_padding);
+          this->array(array.name, array.n_components, values.data(), values.size(), n_padding);
         },
         array.values);
   }
 
   void write(OutputFile& file) const {
-    for (const auto& block : blocks_) block(file);
+    std::vector<std::uint64_t> offsets(parts_.size() + 1, 0);
+    for (std::size_t i = parts_.size(); i-- > 0;) offsets[i] = offsets[i + 1] + parts_[i].n_bytes;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      file.write(parts_[i].xml);
+      if (parts_[i].append) file.write(" format=\"appended\" offset=\"" + std::to_string(offsets[i + 1]) + "\"/>\n");
+    }
+    file.write("  <AppendedData encoding=\"raw\">\n_");
+    for (std::size_t i = parts_.size(); i-- > 0;)
+      if (parts_[i].append) parts_[i].append(file);
+    file.write("\n  </AppendedData>\n");
   }
 
 private:
-  std::uint64_t offset_ = 0;
-  std::vector<std::function<void(OutputFile&)>> blocks_;
+  struct Part {
+    std::string xml;
+    std::uint64_t n_bytes;
+    std::function<void(OutputFile&)> append;  // empty: nothing but text
+  };
+
+  /// Blocks, after their number, their size, that of the last one if it is smaller, and what each is packed to.
+  std::string packed(std::string_view bytes) const {
+    constexpr std::size_t block_size = std::size_t{1} << 18;
+    const std::size_t n_blocks = (bytes.size() + block_size - 1) / block_size;
+    std::vector<std::uint64_t> header{n_blocks, block_size, bytes.size() % block_size};
+    std::string body;
+    for (std::size_t b = 0; b < n_blocks; ++b) {
+      const std::string block = compression_.pack(bytes.substr(b * block_size, block_size));
+      header.push_back(block.size());
+      body += block;
+    }
+    return std::string(reinterpret_cast<const char*>(header.data()), header.size() * sizeof(std::uint64_t)) + body;
+  }
+
+  const VtuCompression& compression_;
+  std::vector<Part> parts_;
 };
+
+/// Names of labels as field data: under "regions:steel part" the labels that are called so.
+inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& groups) {
+  if (groups.empty()) return;
+  document.text("    <FieldData>\n");
+  for (const LabelGroup& group : groups) {
+    std::string labels;
+    for (const index_t label : group.labels) labels += std::to_string(label) + " ";
+    document.text(
+        "      <DataArray type=\"UInt32\" Name=\"" +
+        xml_escaped(std::string(vtk::group_prefixes[static_cast<std::size_t>(group.dimension)]) + group.name) +
+        "\" NumberOfTuples=\"" + std::to_string(group.labels.size()) + "\" format=\"ascii\">" + labels +
+        "</DataArray>\n");
+  }
+  document.text("    </FieldData>\n");
+}
 
 inline void check_data(const std::string& name, const MixedMesh& mesh, const MeshData& data) {
   const auto check = [&](const std::vector<DataArray>& arrays, std::size_t n) {
@@ -129,39 +193,45 @@ inline void check_data(const std::string& name, const MixedMesh& mesh, const Mes
 /// @param mesh  its labelled faces and edges are written as cells too, after the volume's.
 /// @param data  arrays of n_cells and n_points rows. Faces and edges have NaN (integers: 0) in the arrays by cell. Two
 ///              arrays are always written: `kind` (0 tetrahedron, 1 pyramid, 2 prism, 3 hexahedron, 4 triangle,
-///              5 quadrilateral, 6 edge) and `label` (region, patch or curve).
+///              5 quadrilateral, 6 edge) and `label` (region, patch or curve). Names of labels are field data.
+/// @param compression  of the arrays; they are held packed in memory then.
 /// @throws invalid_option  for an array of another length; io_error naming the file.
 /// @par Complexity   O(n); connectivity is held once more in memory.
 /// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
 /// @par Source       VTK file formats, XML, version 1.0: appended raw data, 64-bit headers. Prisms in the order of
 ///                   VTK's manual (vtk_cells.hpp).
-inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {}) {
+inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
+                      const VtuCompression& compression = {}) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
   detail::check_data(path.string(), mesh, data);
   const detail::VtuCells cells(mesh);
-  detail::VtuArrays arrays;
+  detail::VtuDocument document(compression);
 
   const double* const coordinates = mesh.points.empty() ? nullptr : mesh.points.front().data();
-  std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
-  xml += std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  xml += "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"" +
-         std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" + std::to_string(cells.size()) +
-         "\">\n      <Points>\n" + arrays.add("Points", 3, coordinates, 3 * mesh.points.size()) +
-         "      </Points>\n      <Cells>\n" +
-         arrays.add("connectivity", 1, cells.connectivity.data(), cells.connectivity.size()) +
-         arrays.add("offsets", 1, cells.offsets.data(), cells.size()) +
-         arrays.add("types", 1, cells.types.data(), cells.size()) + "      </Cells>\n      <CellData>\n" +
-         arrays.add("kind", 1, cells.kinds.data(), cells.size()) +
-         arrays.add("label", 1, cells.labels.data(), cells.size());
-  for (const DataArray& array : data.cells) xml += arrays.add(array, cells.size());
-  xml += "      </CellData>\n      <PointData>\n";
-  for (const DataArray& array : data.points) xml += arrays.add(array, mesh.points.size());
-  xml += "      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
+  std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
+  head += std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+  head += "\" header_type=\"UInt64\"";
+  if (compression.pack) head += " compressor=\"" + compression.name + "\"";
+  document.text(head + ">\n  <UnstructuredGrid>\n");
+  detail::add_groups(document, mesh.groups);
+  document.text("    <Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +
+                std::to_string(cells.size()) + "\">\n      <Points>\n");
+  document.array("Points", 3, coordinates, 3 * mesh.points.size());
+  document.text("      </Points>\n      <Cells>\n");
+  document.array("connectivity", 1, cells.connectivity.data(), cells.connectivity.size());
+  document.array("offsets", 1, cells.offsets.data(), cells.size());
+  document.array("types", 1, cells.types.data(), cells.size());
+  document.text("      </Cells>\n      <CellData>\n");
+  document.array("kind", 1, cells.kinds.data(), cells.size());
+  document.array("label", 1, cells.labels.data(), cells.size());
+  for (const DataArray& array : data.cells) document.array(array, cells.size());
+  document.text("      </CellData>\n      <PointData>\n");
+  for (const DataArray& array : data.points) document.array(array, mesh.points.size());
+  document.text("      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n");
 
   OutputFile file(path);
-  file.write(xml);
-  arrays.write(file);
-  file.write("\n  </AppendedData>\n</VTKFile>\n");
+  document.write(file);
+  file.write("</VTKFile>\n");
   file.commit();
 }
 

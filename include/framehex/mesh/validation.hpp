@@ -144,22 +144,26 @@ void validate(const M& mesh) {
 
 namespace detail {
 
+/// Are the triangles at a vertex one fan, or none? @pre closed.
+inline bool is_fan(const TriangleAdjacency& adjacency, index_t v) {
+  const auto around = adjacency.triangles_of_vertex[v];
+  if (around.empty()) return true;
+  index_t first = 3 * around[0];
+  while (adjacency.from(first) != v) ++first;
+  std::size_t n_reached = 0;
+  index_t h = first;
+  do {
+    ++n_reached;
+    h = adjacency.opposite[TriangleAdjacency::previous(h)];
+  } while (h != first);
+  return n_reached == around.size();
+}
+
 /// @throws nonmanifold  with a vertex whose triangles are not one fan. @pre closed.
 inline void check_fans(const TriangleAdjacency& adjacency) {
-  for (index_t v = 0; v < adjacency.n_vertices(); ++v) {
-    const auto around = adjacency.triangles_of_vertex[v];
-    if (around.empty()) continue;
-    index_t first = 3 * around[0];
-    while (adjacency.from(first) != v) ++first;
-    std::size_t n_reached = 0;
-    index_t h = first;
-    do {
-      ++n_reached;
-      h = adjacency.opposite[TriangleAdjacency::previous(h)];
-    } while (h != first);
-    if (n_reached != around.size())
+  for (index_t v = 0; v < adjacency.n_vertices(); ++v)
+    if (!is_fan(adjacency, v))
       throw nonmanifold("the surface touches itself at vertex " + std::to_string(v), Entity::vertex, {v});
-  }
 }
 
 /// @throws open_surface, nonmanifold

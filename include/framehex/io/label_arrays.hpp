@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/io/input_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace framehex {
+
+/// What to read of a mesh's file.
+struct MeshReadOptions {
+  std::string regions = {};  ///< array by cell that holds the labels; empty: one of the usual names
+};
+
+/// What a reader of a mesh found beside the mesh.
+struct MeshReadNotes {
+  std::string label_array = {};                 ///< array by cell that the labels come from; empty: none
+  std::vector<std::string> unused_arrays = {};  ///< further arrays by cell of one integer a cell
+};
+
+namespace detail {
+
+/// An array by cell of a file, before its values are read.
+struct CellArrayName {
+  std::string name;
+  bool is_integer = false;
+  std::size_t n_components = 1;
+};
+
+/// The array that holds the labels: the one asked for, or the first of the usual names (in any case) that is there.
+///
+/// @return its place among `arrays`, or their number when there is none.
+/// @throws io_error  when the one asked for is not there, or has not one component.
+inline std::size_t choose_label_array(const std::string& file, const std::vector<CellArrayName>& arrays,
+                                      const MeshReadOptions& options, MeshReadNotes& notes) {
+  constexpr std::array<std::string_view, 19> usual{
+      "label",       "labels",      "region", "regions",       "region_id",       "material",      "materials",
+      "material_id", "materialids", "mat_id", "gmsh:physical", "medit:ref",       "cellentityids", "attribute",
+      "subdomain",   "zone",        "part",   "cell_tags",     "gmsh:geometrical"};
+  std::size_t chosen = arrays.size();
+  if (!options.regions.empty()) {
+    std::string known;
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      if (arrays[i].name == options.regions) chosen = i;
+      known += (i == 0 ? "" : ", ") + arrays[i].name;
+    }
+    if (chosen == arrays.size())
+      throw io_error(file + ": has no array by cell \"" + options.regions + "\" (it has " +
+                     (known.empty() ? "none" : known) + ")");
+    if (arrays[chosen].n_components != 1)
+      throw io_error(file + ": array \"" + options.regions + "\" has " + std::to_string(arrays[chosen].n_components) +
+                     " components, not one label a cell");
+  }
+  // Numbers with a fraction under such a name may be anything: they are labels when asked for only.
+  for (std::size_t u = 0; u < usual.size() && chosen == arrays.size(); ++u)
+    for (std::size_t i = 0; i < arrays.size() && chosen == arrays.size(); ++i)
+      if (arrays[i].is_integer && arrays[i].n_components == 1 && lower_text(arrays[i].name) == usual[u]) chosen = i;
+  if (chosen < arrays.size()) notes.label_array = arrays[chosen].name;
+  // Beside labels of our own, what our files always hold is not worth a word.
+  const bool ours = notes.label_array == "label";
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    if (i != chosen && arrays[i].is_integer && arrays[i].n_components == 1 &&
+        !(ours && (arrays[i].name == "kind" || arrays[i].name == "open_quads")))
+      notes.unused_arrays.push_back(arrays[i].name);
+  return chosen;
+}
+
+/// Labels from values of any type. @throws io_error  for one that is no integer.
+inline std::vector<std::int64_t> labels_of(const std::string& file, const std::string& array,
+                                           const std::vector<double>& values) {
+  std::vector<std::int64_t> labels;
+  labels.reserve(values.size());
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    if (!(std::abs(values[c]) < 0x1p53) || values[c] != std::floor(values[c]))
+      throw io_error(file + ": array \"" + array + "\" is no label: it is " + std::to_string(values[c]) + " at cell " +
+                         std::to_string(c),
+                     Entity::cell, {c});
+    labels.push_back(static_cast<std::int64_t>(values[c]));
+  }
+  return labels;
+}
+
+}  // namespace detail
+
+}  // namespace framehex

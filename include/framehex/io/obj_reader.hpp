@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/io/input_file.hpp"
+#include "framehex/io/surface_soup.hpp"
+
+namespace framehex {
+
+namespace detail {
+
+class ObjReader {
+public:
+  ObjReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name) {}
+
+  SurfaceSoup read() {
+    while (!in_.at_end()) {
+      const std::string_view keyword = in_.word();
+      if (keyword == "v")
+        read_point();
+      else if (keyword == "f")
+        read_polygon();
+      else if (keyword == "g" || keyword == "o")
+        set_name(group_);
+      else if (keyword == "usemtl")
+        set_name(material_);
+      else
+        in_.line();  // normals, textures, lines, comments
+    }
+    return builder_.finish();
+  }
+
+private:
+  void read_point() {
+    const auto x = in_.number<double>("a coordinate"), y = in_.number<double>("a coordinate"),
+               z = in_.number<double>("a coordinate");
+    builder_.add_point(x, y, z);
+    in_.line();  // a weight or a colour
+  }
+
+  void set_name(std::string& name) {
+    name = trimmed(in_.line());
+    patch_ = no_index;
+  }
+
+  /// Corners `v`, `v/t`, `v//n` or `v/t/n` up to the end of the line, which a backslash continues. Numbers count from 1,
+  /// negative ones from the last point backwards.
+  void read_polygon() {
+    corners_.clear();
+    for (std::string_view text = in_.line();;) {
+      const bool goes_on = text.ends_with('\\');
+      if (goes_on) text.remove_suffix(1);
+      Cursor line(in_.name(), text);
+      while (!line.at_end()) corners_.push_back(corner(line.word()));
+      if (!goes_on) break;
+      text = in_.line();
+    }
+    if (patch_ == no_index) patch_ = builder_.patch(patch_name());
+    builder_.add_polygon(corners_, patch_);
+  }
+
+  std::string patch_name() const {
+    if (group_.empty() && material_.empty()) return "default";
+    return group_.empty() || material_.empty() ? group_ + material_ : group_ + ":" + material_;
+  }
+
+  std::int64_t corner(std::string_view word) const {
+    const std::string_view digits = word.substr(0, word.find('/'));
+    std::int64_t v = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+    if (digits.empty() || end != digits.data() + digits.size() || error != std::errc{} || v == 0)
+      in_.fail("a vertex should stand where \"" + Cursor::printable(word) + "\" does");
+    return v > 0 ? v - 1 : static_cast<std::int64_t>(builder_.n_points()) + v;
+  }
+
+  Cursor in_;
+  SoupBuilder builder_;
+  std::string group_, material_;
+  index_t patch_ = no_index;  // of group and material; none yet where they changed
+  std::vector<std::int64_t> corners_;
+};
+
+}  // namespace detail
+
+/// Reads the polygons of a Wavefront OBJ file.
+///
+/// @param name   of the file, for errors.
+/// @param bytes  what it holds.
+/// @return coordinates in double precision; groups (or objects) and materials are patches, named after the group, the
+///         material, or "group:material".
+/// @throws io_error naming file and line; invalid_connectivity naming the polygon.
+/// @par Complexity   O(n).
+inline SurfaceSoup read_obj(const std::string& name, std::string_view bytes) {
+  return detail::ObjReader(name, bytes).read();
+}
+
+}  // namespace framehex
