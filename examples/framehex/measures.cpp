@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <numbers>
 
 namespace program {
 
@@ -75,6 +76,7 @@ Measures measure(const framehex::MixedMesh& mesh) {
                   conformity.three_vertices_shared.size();
   m.n_open_edges = conformity.open_edges.size();
   m.n_nonmanifold_edges = conformity.nonmanifold_edges.size();
+  m.solver = framehex::verify::solver_quality(mesh);
   return m;
 }
 
@@ -97,6 +99,18 @@ void add_to(nlohmann::ordered_json& json, const Measures& m) {
   quality["invalid_cells"] = m.invalid_cells;
   quality["inverted_cells"] = m.inverted_cells;
   quality["volume"] = m.volume;
+
+  const framehex::verify::SolverQuality& solver = m.solver;
+  constexpr double degree = std::numbers::pi / 180;
+  json["solver_quality"] = {{"non_orthogonality_degrees", solver.non_orthogonality / degree},
+                            {"mean_non_orthogonality_degrees", solver.mean_non_orthogonality / degree},
+                            {"flatness", solver.flatness},
+                            {"decomposition", solver.decomposition},
+                            {"volume_ratio", solver.volume_ratio},
+                            {"determinant", solver.determinant},
+                            {"bad_decomposition_cells", solver.bad_decomposition},
+                            {"small_determinant_cells", solver.small_determinant},
+                            {"cells_with_one_inner_face", solver.lonely}};
 
   auto& conformity = json["conformity"];
   conformity["open_quads"] = m.open_cells.size();

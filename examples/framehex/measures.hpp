@@ -2,7 +2,7 @@
 // What a mixed mesh is made of and how good it is.
 #pragma once
 
-#include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/verify/solver_quality.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -28,6 +28,7 @@ struct Measures {
   std::vector<framehex::index_t> open_cells;  // with an open quadrilateral, once for each
   std::size_t n_bad_faces = 0;                // any other fault of conformity
   std::size_t n_open_edges = 0, n_nonmanifold_edges = 0;
+  framehex::verify::SolverQuality solver;
 
   double hex_ratio_by_number() const;
   double hex_ratio_by_volume() const;
@@ -36,7 +37,7 @@ struct Measures {
 /// @throws invalid_connectivity  for a cell that names a vertex twice.
 Measures measure(const framehex::MixedMesh& mesh);
 
-/// Adds `counts`, `hex_ratio`, `quality` and `conformity`.
+/// Adds `counts`, `hex_ratio`, `quality`, `solver_quality` and `conformity`.
 void add_to(nlohmann::ordered_json& json, const Measures& measures);
 
 }  // namespace program

@@ -105,40 +105,16 @@ framehex::SoupSurface read_input(const Options& options) {
   return soup;
 }
 
-/// Edges between two patches of the file: features, whatever their angle.
-std::vector<std::array<framehex::index_t, 2>> patch_borders(const framehex::SoupSurface& soup,
-                                                            const framehex::TriangleAdjacency& adjacency) {
-  std::vector<std::array<framehex::index_t, 2>> edges;
-  for (framehex::index_t h = 0; h < adjacency.opposite.size() && !soup.patches.empty(); ++h) {
-    const framehex::index_t twin = adjacency.opposite[h];
-    if (twin > h && soup.patches[h / 3] != soup.patches[twin / 3])
-      edges.push_back({adjacency.from(h), adjacency.to(h)});
-  }
-  return edges;
-}
-
-/// Faces get the file's labels in place of those of the patches between feature curves, each of which lies in one.
-void use_patches_of_file(framehex::MixedMesh& mesh, const framehex::SoupSurface& soup,
-                         const framehex::FeatureGraph& features) {
-  if (soup.patches.empty()) return;
-  std::vector<framehex::index_t> label(features.n_patches);
-  for (std::size_t t = 0; t < soup.patches.size(); ++t) label[features.triangle_patch[t]] = soup.patches[t];
-  for (framehex::LabelledFace& face : mesh.faces) face.label = label[face.label];
-  for (framehex::index_t l = 0; l < soup.patch_names.size(); ++l)
-    mesh.groups.push_back({2, l, soup.patch_names[l], {l}});
-}
-
 }  // namespace
 
 bool mesh(const Options& options, const framehex::Observer& observer) {
   const framehex::SoupSurface soup = read_input(options);
   const framehex::IndexedTriangleMesh& surface = soup.surface;
   check_input(soup, options);
-  const framehex::TriangleAdjacency adjacency = framehex::make_adjacency(surface);
   const double size = edge_length(options, surface);
   framehex::MeshingOptions meshing;
   meshing.features = feature_options(options);
-  meshing.features.given_edges = patch_borders(soup, adjacency);
+  meshing.features.patches = soup.patches;
   meshing.field.method = field_method(options);
   meshing.order = options.order == "fifo"      ? framehex::PointOrder::fifo
                   : options.order == "lattice" ? framehex::PointOrder::lattice
@@ -151,7 +127,8 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   if (result.status == framehex::Status::cancelled) return false;
 
   framehex::MixedMesh& mesh = result.recombination.mesh;
-  use_patches_of_file(mesh, soup, framehex::detect_features(surface, adjacency, meshing.features));
+  for (framehex::index_t l = 0; l < soup.patch_names.size(); ++l)
+    mesh.groups.push_back({2, l, soup.patch_names[l], {l}});
   const framehex::StageSeconds& seconds = result.recombination.seconds;
   const Measures measures = measure(mesh);
   nlohmann::ordered_json json;

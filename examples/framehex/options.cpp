@@ -35,6 +35,14 @@ void add_input(CLI::App& command, Options& options, const char* what) {
 void add_output(CLI::App& command, Options& options, const char* what) {
   command.add_option("-o,--output", options.output, what)->required()->type_name("FILE");
   command.add_flag("--compress", options.compress, "Compress the arrays of a .vtu file");
+  command.add_option("--msh", options.msh, "Version of a .msh file")
+      ->check(CLI::IsMember({"4.1", "2.2"}))
+      ->capture_default_str();
+  command
+      .add_option("--pyramids", options.pyramids,
+                  "What pyramids are in an .inp file: C3D5, or bricks with a repeated node, for CalculiX")
+      ->check(CLI::IsMember({"own", "bricks"}))
+      ->capture_default_str();
 }
 
 void add_regions(CLI::App& command, Options& options) {
@@ -102,7 +110,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
 
   CLI::App& mesh = *app.add_subcommand("mesh", "Mesh the inside of a closed surface (.stl .obj .off .ply)");
   add_input(mesh, options, "The surface");
-  add_output(mesh, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
+  add_output(mesh, options,
+             "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder polyMesh (OpenFOAM)");
   auto* const size =
       mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
   mesh.add_option("--cells", options.cells,
@@ -129,7 +138,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   CLI::App& recombine =
       *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(recombine, options, "The tetrahedral mesh");
-  add_output(recombine, options, "The mesh: .vtu, .msh (Gmsh 4.1) or .mesh (MEDIT)");
+  add_output(recombine, options,
+             "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder polyMesh (OpenFOAM)");
   add_regions(recombine, options);
   recombine.add_flag("--ignore-faces", options.ignore_faces,
                      "Labelled faces within a region are none: cells may swallow them");

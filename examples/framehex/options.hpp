@@ -29,6 +29,7 @@ struct Options {
   bool quiet = false;
   std::optional<double> repair;  // largest tolerance by the box's diagonal; empty: none
   bool compress = false;                            // arrays of .vtu
+  std::string msh = "4.1", pyramids = "own";  // how .msh and .inp are written
   bool ignore_faces = false, ignore_edges = false;  // labels of the input
 };
 

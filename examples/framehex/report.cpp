@@ -119,13 +119,15 @@ std::vector<framehex::DataArray> cell_arrays(const Measures& measures) {
 
 void write_results(const Options& options, const framehex::MixedMesh& mesh, const framehex::MeshData& data,
                    const nlohmann::ordered_json& json) {
-  const framehex::VtuCompression compression =
-      options.compress ? framehex::zlib_compression() : framehex::VtuCompression{};
-  if (options.report.empty()) return framehex::write_mesh(options.output, mesh, data, compression);
+  framehex::MeshWriteOptions write;
+  if (options.compress) write.compression = framehex::zlib_compression();
+  if (options.msh == "2.2") write.msh = framehex::MshVersion::v2_2;
+  if (options.pyramids == "bricks") write.pyramids = framehex::InpPyramids::degenerate_bricks;
+  if (options.report.empty()) return framehex::write_mesh(options.output, mesh, data, write);
   OutputFile report(options.report);
   report.write(json.dump(2) + "\n");
   report.finish();
-  framehex::write_mesh(options.output, mesh, data, compression);
+  framehex::write_mesh(options.output, mesh, data, write);
   report.commit();
 }
 
@@ -145,7 +147,7 @@ void check_outputs(const Options& options) {
     const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
     if (options.command == Command::field && format != framehex::MeshFormat::vtu)
       throw framehex::io_error(options.output + ": a field is written as .vtu");
-    const OutputFile attempt(options.output);
+    if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
   if (!options.report.empty()) const OutputFile attempt(options.report);
 }

@@ -119,7 +119,7 @@ private:
     const std::string_view type = in_.word();
     Cursor rest(in_.name(), in_.line());
     const std::size_t n_components = rest.at_end() ? 1 : rest.number<std::size_t>("the number of components");
-    if (in_.peek_word() == "LOOKUP_TABLE") in_.line(), in_.line();
+    if (in_.peek_word() == "LOOKUP_TABLE") in_.word(), in_.line();
     read_array(name, type, n_components, *n_rows_);
   }
 
@@ -235,8 +235,7 @@ private:
 
   /// Values of any type that the format knows.
   template <class Value>
-  std::vector<Value> typed_values(std::size_t n, std::string_view type) {
-    const char* const what = "a number of an array";
+  std::vector<Value> typed_values(std::size_t n, std::string_view type, const char* what = "a number of an array") {
     if (type == "float") return values<float, Value>(n, what);
     if (type == "double") return values<double, Value>(n, what);
     const bool is_unsigned = type.starts_with("unsigned") || type == "vtktypeuint64";
@@ -257,7 +256,7 @@ private:
     const std::size_t n = in_.count("the number of points", 3);
     const std::string_view type = in_.word();
     in_.line();
-    const std::vector<double> x = typed_values<double>(3 * n, type);
+    const std::vector<double> x = typed_values<double>(3 * n, type, "a coordinate");
     for (std::size_t i = 0; i < n; ++i) builder_.add_point(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
   }
 

@@ -1,49 +1,67 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/inp_writer.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/medit_writer.hpp"
+#include "framehex/io/msh2_writer.hpp"
 #include "framehex/io/msh_writer.hpp"
+#include "framehex/io/polymesh_writer.hpp"
 #include "framehex/io/vtu_writer.hpp"
 
 namespace framehex {
 
-/// Formats of a volume mesh, told by a file's extension.
-enum class MeshFormat { vtu, vtk, msh, medit };
+/// Formats of a volume mesh, told by a file's extension or, for OpenFOAM, by a folder's name.
+enum class MeshFormat { vtu, vtk, msh, medit, meshb, inp, polymesh };
 
-/// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb, in any case) stands for.
+/// Version of Gmsh's format.
+enum class MshVersion { v4_1, v2_2 };
+
+/// How a mesh is written, beyond what the file's name tells.
+struct MeshWriteOptions {
+  VtuCompression compression = {};               ///< of .vtu
+  MshVersion msh = MshVersion::v4_1;             ///< of .msh
+  InpPyramids pyramids = InpPyramids::own_type;  ///< of .inp
+};
+
+/// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb .inp, in any case) or the name of a folder
+///         (polyMesh) stands for.
 /// @throws io_error  for any other.
 inline MeshFormat mesh_format(const std::filesystem::path& path) {
   const std::string extension = detail::lower_text(path.extension().string());
   if (extension == ".vtu") return MeshFormat::vtu;
   if (extension == ".vtk") return MeshFormat::vtk;
   if (extension == ".msh") return MeshFormat::msh;
-  if (extension == ".mesh" || extension == ".meshb") return MeshFormat::medit;
-  throw io_error(path.string() + ": unknown extension of a mesh (known: .vtu .vtk .msh .mesh .meshb)");
+  if (extension == ".mesh") return MeshFormat::medit;
+  if (extension == ".meshb") return MeshFormat::meshb;
+  if (extension == ".inp") return MeshFormat::inp;
+  if (path.filename() == "polyMesh") return MeshFormat::polymesh;
+  throw io_error(path.string() + ": unknown extension of a mesh (known: .vtu .vtk .msh .mesh .meshb .inp, polyMesh)");
 }
 
-/// Checks that a mesh can be written in the format that a file's extension asks for.
+/// Checks that a mesh can be written in the format that a file's name asks for.
 ///
-/// @throws io_error  for another extension than .vtu, .msh, .mesh.
+/// @throws io_error  for another than .vtu, .msh, .mesh, .inp and polyMesh.
 inline MeshFormat written_mesh_format(const std::filesystem::path& path) {
   const MeshFormat format = mesh_format(path);
   if (format == MeshFormat::vtk) throw io_error(path.string() + ": .vtk is read but not written (write .vtu)");
-  if (detail::lower_text(path.extension().string()) == ".meshb")
-    throw io_error(path.string() + ": .meshb is read but not written (write .mesh)");
+  if (format == MeshFormat::meshb) throw io_error(path.string() + ": .meshb is read but not written (write .mesh)");
   return format;
 }
 
-/// Writes a mesh in the format that the extension asks for: .vtu, .msh (4.1) or .mesh (MEDIT).
+/// Writes a mesh in the format that the name asks for: .vtu, .msh, .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder
+/// polyMesh (OpenFOAM).
 ///
-/// @param data         arrays by cell and point; only .vtu holds them.
-/// @param compression  of .vtu.
-/// @throws invalid_option, io_error as the three writers do; io_error for another extension.
+/// @param data  arrays by cell and point; only .vtu holds them.
+/// @throws invalid_option, nonmanifold, io_error as the writers do; io_error for another name.
 inline void write_mesh(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
-                       const VtuCompression& compression = {}) {
+                       const MeshWriteOptions& options = {}) {
   switch (written_mesh_format(path)) {
-    case MeshFormat::msh: return write_msh(path, mesh);
+    case MeshFormat::msh: return options.msh == MshVersion::v2_2 ? write_msh2(path, mesh) : write_msh(path, mesh);
     case MeshFormat::medit: return write_medit(path, mesh);
-    default: return write_vtu(path, mesh, data, compression);
+    case MeshFormat::inp: return write_inp(path, mesh, options.pyramids);
+    case MeshFormat::polymesh: return write_polymesh(path, mesh);
+    default: return write_vtu(path, mesh, data, options.compression);
   }
 }
 

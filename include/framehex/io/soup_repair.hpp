@@ -56,8 +56,8 @@ private:
     keep(kept);
   }
 
-  /// Of triangles with the same three vertices one stays where an odd number of others meets them at most edges, none
-  /// where an even number does: those are walls between bodies.
+  /// Of triangles with the same three vertices one stays, but none where two or more different others meet them at most
+  /// edges, in pairs: those are walls between bodies.
   void drop_repeated() {
     auto& triangles = soup_.mesh.triangles;
     std::vector<std::array<index_t, 4>> keys;
@@ -67,15 +67,23 @@ private:
       keys.push_back({v[0], v[1], v[2], t});
     }
     std::sort(keys.begin(), keys.end());
-    const EdgeUses edges(soup_.mesh);
+    const auto same = [&](std::size_t i, std::size_t j) {
+      return std::equal(keys[i].begin(), keys[i].begin() + 3, keys[j].begin());
+    };
+    IndexedTriangleMesh different;
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      if (i == 0 || !same(i - 1, i)) different.triangles.push_back({keys[i][0], keys[i][1], keys[i][2]});
+    const EdgeUses edges(different);
     std::vector<std::uint8_t> stays(triangles.size(), 1);
     for (std::size_t i = 0, j = 0; i < keys.size(); i = j) {
-      while (j < keys.size() && std::equal(keys[i].begin(), keys[i].begin() + 3, keys[j].begin())) ++j;
+      while (j < keys.size() && same(i, j)) ++j;
       if (j - i == 1) continue;
-      int n_odd = 0;
-      for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 2u), std::pair(0u, 2u)})
-        n_odd += (n_uses(edges, keys[i][a], keys[i][b]) - (j - i)) % 2 == 1;
-      for (std::size_t k = i + (n_odd >= 2 ? 1 : 0); k < j; ++k) stays[keys[k][3]] = 0;
+      int n_walls = 0;
+      for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 2u), std::pair(0u, 2u)}) {
+        const std::size_t n_others = n_uses(edges, keys[i][a], keys[i][b]) - 1;
+        n_walls += n_others > 0 && n_others % 2 == 0;
+      }
+      for (std::size_t k = i + (n_walls >= 2 ? 0 : 1); k < j; ++k) stays[keys[k][3]] = 0;
     }
     std::vector<index_t> kept;
     std::vector<std::array<index_t, 3>> left;
