@@ -326,7 +326,7 @@ TEST_CASE("Two faces with the same corners across a void are faces of no cell") 
   const test::VoidBetween twin;
   CHECK(find_potential_hexahedra(twin.mesh).empty());
   // Each cube alone is one.
-  for (const std::size_t first : {0, 6}) {
+  for (const std::size_t first : {std::size_t{0}, std::size_t{6}}) {
     IndexedTetMesh one{twin.mesh.points, {}};
     one.tets.assign(twin.mesh.tets.begin() + static_cast<std::ptrdiff_t>(first),
                     twin.mesh.tets.begin() + static_cast<std::ptrdiff_t>(first) + 6);
