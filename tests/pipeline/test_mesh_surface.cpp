@@ -47,11 +47,11 @@ struct HostSurface {
 /// Gives the host the shape of a mesh, whose coordinates are rounded to single precision too.
 void fill(HostSurface& host, IndexedTriangleMesh& mesh) {
   std::vector<const HostSurface::Vertex*> at;
-  for (Vector3& p : mesh.points) {
-    const Eigen::Vector3f q = p.cast<float>();
-    p = q.cast<double>();
-    at.push_back(&host.vertices.emplace_back(HostSurface::Vertex{q.x(), q.y(), q.z(), unsigned(at.size())}));
-  }
+  for (const Vector3& p : mesh.points)
+    at.push_back(&host.vertices.emplace_back(
+        HostSurface::Vertex{float(p.x()), float(p.y()), float(p.z()), unsigned(at.size())}));
+  // Read back from the host: g++ 12 takes a cast to float and back for nothing, at -O3.
+  for (std::size_t v = 0; v < at.size(); ++v) mesh.points[v] = Vector3(at[v]->x, at[v]->y, at[v]->z);
   for (const auto& t : mesh.triangles) host.triangles.push_back({at[t[0]], at[t[1]], at[t[2]]});
 }
 
