@@ -27,9 +27,9 @@ struct Options {
   std::uint64_t seed = 1;
   bool improve = true;  // move and reconnect what is not a hexahedron
   bool quiet = false;
-  std::optional<double> repair;  // largest tolerance by the box's diagonal; empty: none
+  std::optional<double> repair;                     // largest tolerance by the box's diagonal; empty: none
   bool compress = false;                            // arrays of .vtu
-  std::string msh = "4.1", pyramids = "own";  // how .msh and .inp are written
+  std::string msh = "4.1", pyramids = "own";        // how .msh and .inp are written
   bool ignore_faces = false, ignore_edges = false;  // labels of the input
 };
 

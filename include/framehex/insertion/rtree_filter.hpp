@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/geometry/spatial_index.hpp"
 #include "framehex/geometry/proximity.hpp"
+#include "framehex/geometry/spatial_index.hpp"
 
 #include <vector>
 

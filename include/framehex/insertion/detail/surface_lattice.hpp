@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/proximity.hpp"
 #include "framehex/geometry/size_field.hpp"
 #include "framehex/insertion/detail/curve_sites.hpp"
 #include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/lattice_links.hpp"
-#include "framehex/geometry/proximity.hpp"
 #include "framehex/insertion/surface_insertion.hpp"
 #include "framehex/surface/cross_sampler.hpp"
 #include "framehex/surface/surface_walker.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/proximity.hpp"
 #include "framehex/geometry/size_field.hpp"
 #include "framehex/insertion/detail/insertion_checks.hpp"
-#include "framehex/geometry/proximity.hpp"
 #include "framehex/insertion/volume_insertion.hpp"
 
 #include <algorithm>
