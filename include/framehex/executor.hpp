@@ -176,4 +176,21 @@ void for_blocks(const E& executor, std::size_t n, std::size_t block_size, Body&&
   });
 }
 
+/// Sum of `term(i)` over [0, n), added up block by block in order, so that it does not depend on the executor.
+///
+/// @param partial  scratch for the blocks' sums, kept by the caller so that loops do not allocate.
+template <Executor E, class Term>
+double sum_by_blocks(const E& executor, std::size_t n, std::size_t block_size, std::vector<double>& partial,
+                     const Term& term) {
+  partial.assign((n + block_size - 1) / block_size, 0.0);
+  for_blocks(executor, n, block_size, [&](std::size_t first, std::size_t last) {
+    double total = 0;
+    for (std::size_t i = first; i < last; ++i) total += term(i);
+    partial[first / block_size] = total;
+  });
+  double total = 0;
+  for (const double p : partial) total += p;
+  return total;
+}
+
 }  // namespace framehex

@@ -259,15 +259,7 @@ private:
 
   template <class Term>
   double sum(std::size_t n, const Term& term) {
-    partial_.assign((n + block_size - 1) / block_size, 0.0);
-    for_blocks(executor_, n, block_size, [&](std::size_t first, std::size_t last) {
-      double total = 0;
-      for (std::size_t v = first; v < last; ++v) total += term(v);
-      partial_[first / block_size] = total;
-    });
-    double total = 0;
-    for (const double p : partial_) total += p;
-    return total;
+    return sum_by_blocks(executor_, n, block_size, partial_, term);
   }
 
   const LaplaceSystem& system_;

@@ -272,15 +272,7 @@ private:
 
   template <class E, class Term>
   double sum(std::size_t n, const E& executor, const Term& term) {
-    partial_.assign((n + block_size - 1) / block_size, 0.0);
-    for_blocks(executor, n, block_size, [&](std::size_t first, std::size_t last) {
-      double total = 0;
-      for (std::size_t i = first; i < last; ++i) total += term(i);
-      partial_[first / block_size] = total;
-    });
-    double total = 0;
-    for (const double p : partial_) total += p;
-    return total;
+    return sum_by_blocks(executor, n, block_size, partial_, term);
   }
 
   const LatticeGraph& graph_;
