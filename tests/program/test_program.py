@@ -655,6 +655,10 @@ class TestMeshBunny(Case):
         self.assertEqual(report["quality"]["invalid_cells"], [])
         return report
 
+    def test_proven_to_half_a_percent(self):
+        report = self.mesh_and_judge("--gap", "0.5")
+        self.assertLessEqual(report["selection"]["gap_percent"], 0.5)
+
     def test_at_the_defaults(self):
         report = self.mesh_and_judge()
         self.assertGreater(report["hex_ratio"]["volume"], 0.55)
