@@ -8,6 +8,7 @@ packages=(
   libeigen3-dev libboost-dev                        # the library
   libcli11-dev nlohmann-json3-dev                   # the program: command line, reports
   libpugixml-dev zlib1g-dev liblzma-dev             # readers
+  liblemon-dev                                      # matching
   tetgen                                            # the tetrahedraliser, run as a separate program
   catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
