@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-// The four commands. Each returns whether it came to its end (false: interrupted), and throws framehex::error.
+// The commands. Each returns whether it came to its end (false: interrupted), and throws framehex::error.
 #pragma once
 
 #include "interruption.hpp"
@@ -10,6 +10,6 @@ namespace program {
 bool mesh(const Options& options, const framehex::Observer& observer);
 bool recombine(const Options& options, const framehex::Observer& observer);
 bool field(const Options& options, const framehex::Observer& observer);
-bool inspect(const Options& options);
+bool inspect(const Options& options);  // and view, which writes a page besides
 
 }  // namespace program

@@ -2,6 +2,7 @@
 #include "framehex/field/compute_frame_field.hpp"
 
 #include "framehex/io/mesh_builder.hpp"
+#include "framehex/io/mesh_writer.hpp"
 
 #include "commands.hpp"
 #include "library_options.hpp"
@@ -53,7 +54,8 @@ bool field(const Options& options, const framehex::Observer& observer) {
   double seconds = 0;
   watch.lap(seconds);
 
-  const framehex::MixedMesh mesh = with_lines(tets, singular.polylines);
+  const bool is_page = framehex::mesh_format(options.output) == framehex::MeshFormat::html;  // has lines of its own
+  const framehex::MixedMesh mesh = with_lines(tets, is_page ? framehex::Csr<framehex::Vector3>() : singular.polylines);
   std::vector<framehex::Quaternion> frames = field.frames();
   std::vector<double> smoothness = field.smoothness();
   double mean = 0, n_smooth = 0;
@@ -79,7 +81,7 @@ bool field(const Options& options, const framehex::Observer& observer) {
                    {"boundary_misalignment", field.boundary_misalignment().largest}};
   json["seconds"] = {{"field", seconds}, {"total", seconds}};
   finish(json, options);
-  framehex::MeshData data{.cells = {}, .points = {framehex::frame_array(frames)}};
+  framehex::MeshData data{.cells = {}, .points = {framehex::frame_array(frames)}, .lines = singular.polylines};
   for (int axis = 0; axis < 3; ++axis) data.points.push_back(axis_array(frames, axis));
   data.points.push_back({"smoothness", std::move(smoothness)});
   write_results(options, mesh, data, json);

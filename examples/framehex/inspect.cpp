@@ -13,7 +13,10 @@ bool inspect(const Options& options) {
   add_to(json, measures);
   add_groups(json, mesh);
   finish(json, options);
-  write_report(options, json);
+  if (options.command == Command::view)
+    write_results(options, mesh, {.cells = cell_arrays(measures), .points = {}}, json);
+  else
+    write_report(options, json);
   if (!options.quiet) {
     print_row(std::filesystem::path(options.input).filename().string(), measures, {});
     print_faults(measures);

@@ -149,7 +149,8 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   finish(json, options);
   json["options"]["size"] = size;
   const framehex::MeshData data{.cells = cell_arrays(measures),
-                                .points = {framehex::frame_array(result.frames), {"smoothness", result.smoothness}}};
+                                .points = {framehex::frame_array(result.frames), {"smoothness", result.smoothness}},
+                                .lines = result.singular_lines};
   write_results(options, mesh, data, json);
   end_progress();
   if (!options.quiet) {

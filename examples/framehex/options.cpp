@@ -110,8 +110,10 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
 
   CLI::App& mesh = *app.add_subcommand("mesh", "Mesh the inside of a closed surface (.stl .obj .off .ply)");
   add_input(mesh, options, "The surface");
-  add_output(mesh, options,
-             "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder polyMesh (OpenFOAM)");
+  add_output(
+      mesh, options,
+      "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX), a folder polyMesh (OpenFOAM), or .html, a "
+      "page that shows it");
   auto* const size =
       mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
   mesh.add_option("--cells", options.cells,
@@ -138,8 +140,10 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   CLI::App& recombine =
       *app.add_subcommand("recombine", "Recombine the tetrahedra of a mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(recombine, options, "The tetrahedral mesh");
-  add_output(recombine, options,
-             "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder polyMesh (OpenFOAM)");
+  add_output(
+      recombine, options,
+      "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX), a folder polyMesh (OpenFOAM), or .html, a "
+      "page that shows it");
   add_regions(recombine, options);
   recombine.add_flag("--ignore-faces", options.ignore_faces,
                      "Labelled faces within a region are none: cells may swallow them");
@@ -149,7 +153,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
 
   CLI::App& field = *app.add_subcommand("field", "Frame field of a tetrahedral mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(field, options, "The tetrahedral mesh");
-  add_output(field, options, "Frames, smoothness and singular lines: .vtu");
+  add_output(field, options, "Frames, smoothness and singular lines: .vtu, or .html, a page that shows them");
   add_field(field, options);
   add_run(field, options);
 
@@ -158,6 +162,12 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_input(inspect, options, "The mesh");
   add_regions(inspect, options);
   inspect.add_flag("--quiet", options.quiet, "Print nothing but errors");
+
+  CLI::App& view = *app.add_subcommand("view", "A page that shows any mesh (.vtu .vtk .msh .mesh .meshb) in a browser");
+  add_input(view, options, "The mesh");
+  view.add_option("-o,--output", options.output, "The page: .html")->required()->type_name("FILE");
+  add_regions(view, options);
+  view.add_flag("--quiet", options.quiet, "Print nothing but errors");
 
   try {
     app.parse(argc, argv);
@@ -172,6 +182,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   options.command = mesh.parsed()        ? Command::mesh
                     : recombine.parsed() ? Command::recombine
                     : field.parsed()     ? Command::field
+                    : view.parsed()      ? Command::view
                                          : Command::inspect;
   return options;
 }
@@ -179,7 +190,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
 nlohmann::ordered_json to_json(const Options& options) {
   nlohmann::ordered_json json;
   const bool is_mesh = options.command == Command::mesh, is_field = options.command == Command::field;
-  constexpr const char* names[] = {"mesh", "recombine", "field", "inspect"};
+  constexpr const char* names[] = {"mesh", "recombine", "field", "inspect", "view"};
   json["command"] = names[static_cast<int>(options.command)];
   json["input"] = options.input;
   if (!options.output.empty()) json["output"] = options.output;
@@ -205,7 +216,7 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["ignore_faces"] = options.ignore_faces;
     json["ignore_edges"] = options.ignore_edges;
   }
-  if (options.command != Command::inspect) json["threads"] = options.threads;
+  if (options.command != Command::inspect && options.command != Command::view) json["threads"] = options.threads;
   return json;
 }
 

@@ -10,7 +10,7 @@
 
 namespace program {
 
-enum class Command { mesh, recombine, field, inspect };
+enum class Command { mesh, recombine, field, inspect, view };
 
 struct Options {
   Command command = Command::mesh;

@@ -145,8 +145,11 @@ void check_outputs(const Options& options) {
     throw framehex::invalid_option("the report would replace the input, " + options.input);
   if (!options.output.empty()) {
     const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
-    if (options.command == Command::field && format != framehex::MeshFormat::vtu)
-      throw framehex::io_error(options.output + ": a field is written as .vtu");
+    const bool is_page = format == framehex::MeshFormat::html;
+    if (options.command == Command::field && format != framehex::MeshFormat::vtu && !is_page)
+      throw framehex::io_error(options.output + ": a field is written as .vtu or .html");
+    if (options.command == Command::view && !is_page)
+      throw framehex::io_error(options.output + ": a view is a page, .html");
     if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
   if (!options.report.empty()) const OutputFile attempt(options.report);

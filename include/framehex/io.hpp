@@ -5,6 +5,7 @@
 // clang-format off
 
 #include "framehex/io/data_array.hpp"
+#include "framehex/io/html_writer.hpp"
 #include "framehex/io/inp_writer.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/label_arrays.hpp"

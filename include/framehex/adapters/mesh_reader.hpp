@@ -20,7 +20,7 @@ inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOpti
                            MeshReadNotes* notes = nullptr) {
   const MeshFormat format = mesh_format(path);
   if (format == MeshFormat::vtk) return read_legacy_vtk(path, options, notes);
-  if (format == MeshFormat::inp || format == MeshFormat::polymesh)
+  if (format == MeshFormat::inp || format == MeshFormat::polymesh || format == MeshFormat::html)
     throw io_error(path.string() + ": is written but not read");
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
   if (!options.regions.empty())

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "framehex/config.hpp"
+#include "framehex/errors.hpp"
+#include "framehex/mesh/csr.hpp"
 
 #include <cstdint>
 #include <string>
@@ -26,7 +28,25 @@ struct DataArray {
 struct MeshData {
   std::vector<DataArray> cells;   ///< n_cells rows each
   std::vector<DataArray> points;  ///< n_points rows each
+  Csr<Vector3> lines = {};        ///< polylines: singular lines of the frame field; .html holds them
 };
+
+namespace detail {
+
+/// @throws invalid_option  for an array that has not as many rows as there are cells, or points.
+inline void check_rows(const std::string& file, std::size_t n_cells, std::size_t n_points, const MeshData& data) {
+  const auto check = [&](const std::vector<DataArray>& arrays, std::size_t n) {
+    for (const DataArray& array : arrays)
+      if (array.n_components == 0 || array.size() != n)
+        throw invalid_option(file + ": array \"" + array.name + "\" has " +
+                             std::to_string(array.n_components == 0 ? 0 : array.size()) + " rows instead of " +
+                             std::to_string(n));
+  };
+  check(data.cells, n_cells);
+  check(data.points, n_points);
+}
+
+}  // namespace detail
 
 /// Frames as the four components w x y z of their quaternions, under the name "frame".
 inline DataArray frame_array(const std::vector<Quaternion>& frames) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/html_writer.hpp"
 #include "framehex/io/inp_writer.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/medit_writer.hpp"
@@ -12,7 +13,7 @@
 namespace framehex {
 
 /// Formats of a volume mesh, told by a file's extension or, for OpenFOAM, by a folder's name.
-enum class MeshFormat { vtu, vtk, msh, medit, meshb, inp, polymesh };
+enum class MeshFormat { vtu, vtk, msh, medit, meshb, inp, polymesh, html };
 
 /// Version of Gmsh's format.
 enum class MshVersion { v4_1, v2_2 };
@@ -24,7 +25,7 @@ struct MeshWriteOptions {
   InpPyramids pyramids = InpPyramids::own_type;  ///< of .inp
 };
 
-/// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb .inp, in any case) or the name of a folder
+/// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb .inp .html, in any case) or the name of a folder
 ///         (polyMesh) stands for.
 /// @throws io_error  for any other.
 inline MeshFormat mesh_format(const std::filesystem::path& path) {
@@ -35,13 +36,15 @@ inline MeshFormat mesh_format(const std::filesystem::path& path) {
   if (extension == ".mesh") return MeshFormat::medit;
   if (extension == ".meshb") return MeshFormat::meshb;
   if (extension == ".inp") return MeshFormat::inp;
+  if (extension == ".html") return MeshFormat::html;
   if (path.filename() == "polyMesh") return MeshFormat::polymesh;
-  throw io_error(path.string() + ": unknown extension of a mesh (known: .vtu .vtk .msh .mesh .meshb .inp, polyMesh)");
+  throw io_error(path.string() +
+                 ": unknown extension of a mesh (known: .vtu .vtk .msh .mesh .meshb .inp .html, polyMesh)");
 }
 
 /// Checks that a mesh can be written in the format that a file's name asks for.
 ///
-/// @throws io_error  for another than .vtu, .msh, .mesh, .inp and polyMesh.
+/// @throws io_error  for another than .vtu, .msh, .mesh, .inp, .html and polyMesh.
 inline MeshFormat written_mesh_format(const std::filesystem::path& path) {
   const MeshFormat format = mesh_format(path);
   if (format == MeshFormat::vtk) throw io_error(path.string() + ": .vtk is read but not written (write .vtu)");
@@ -49,10 +52,10 @@ inline MeshFormat written_mesh_format(const std::filesystem::path& path) {
   return format;
 }
 
-/// Writes a mesh in the format that the name asks for: .vtu, .msh, .mesh (MEDIT), .inp (Abaqus, CalculiX) or a folder
-/// polyMesh (OpenFOAM).
+/// Writes a mesh in the format that the name asks for: .vtu, .msh, .mesh (MEDIT), .inp (Abaqus, CalculiX), .html (a page
+/// that shows it) or a folder polyMesh (OpenFOAM).
 ///
-/// @param data  arrays by cell and point; only .vtu holds them.
+/// @param data  arrays by cell and point; only .vtu holds them, and .html what it can show of them.
 /// @throws invalid_option, nonmanifold, io_error as the writers do; io_error for another name.
 inline void write_mesh(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
                        const MeshWriteOptions& options = {}) {
@@ -61,6 +64,7 @@ inline void write_mesh(const std::filesystem::path& path, const MixedMesh& mesh,
     case MeshFormat::medit: return write_medit(path, mesh);
     case MeshFormat::inp: return write_inp(path, mesh, options.pyramids);
     case MeshFormat::polymesh: return write_polymesh(path, mesh);
+    case MeshFormat::html: return write_html(path, mesh, data);
     default: return write_vtu(path, mesh, data, options.compression);
   }
 }

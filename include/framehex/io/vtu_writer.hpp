@@ -142,12 +142,12 @@ private:
 
   /// Blocks, after their number, their size, that of the last one if it is smaller, and what each is packed to.
   std::string packed(std::string_view bytes) const {
-    constexpr std::size_t block_size = std::size_t{1} << 18;
-    const std::size_t n_blocks = (bytes.size() + block_size - 1) / block_size;
-    std::vector<std::uint64_t> header{n_blocks, block_size, bytes.size() % block_size};
+    constexpr std::size_t bytes_a_block = std::size_t{1} << 18;
+    const std::size_t n_blocks = (bytes.size() + bytes_a_block - 1) / bytes_a_block;
+    std::vector<std::uint64_t> header{n_blocks, bytes_a_block, bytes.size() % bytes_a_block};
     std::string body;
     for (std::size_t b = 0; b < n_blocks; ++b) {
-      const std::string block = compression_.pack(bytes.substr(b * block_size, block_size));
+      const std::string block = compression_.pack(bytes.substr(b * bytes_a_block, bytes_a_block));
       header.push_back(block.size());
       body += block;
     }
@@ -174,17 +174,6 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
   document.text("    </FieldData>\n");
 }
 
-inline void check_data(const std::string& name, const MixedMesh& mesh, const MeshData& data) {
-  const auto check = [&](const std::vector<DataArray>& arrays, std::size_t n) {
-    for (const DataArray& array : arrays)
-      if (array.n_components == 0 || array.size() != n)
-        throw invalid_option(name + ": array \"" + array.name + "\" has " + std::to_string(array.size()) +
-                             " rows instead of " + std::to_string(n));
-  };
-  check(data.cells, mesh.n_cells());
-  check(data.points, mesh.points.size());
-}
-
 }  // namespace detail
 
 /// Writes a mesh as a VTK XML unstructured grid, for ParaView and whoever builds on VTK.
@@ -203,7 +192,7 @@ inline void check_data(const std::string& name, const MixedMesh& mesh, const Mes
 inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
                       const VtuCompression& compression = {}) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
-  detail::check_data(path.string(), mesh, data);
+  detail::check_rows(path.string(), mesh.n_cells(), mesh.points.size(), data);
   const detail::VtuCells cells(mesh);
   detail::VtuDocument document(compression);
 

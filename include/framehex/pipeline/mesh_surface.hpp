@@ -98,6 +98,7 @@ struct MeshingResult {
   Recombination recombination;     ///< `.mesh`, `.selection`, `.assembly`, `.seconds` (of all stages)
   std::vector<Quaternion> frames;  ///< frame at each point of the mesh
   std::vector<double> smoothness;  ///< smoothness of the field there, at most 1
+  Csr<Vector3> singular_lines;     ///< of the field, as polylines
   MeshingStatistics statistics;
   Status status = Status::complete;  ///< cancelled: the mesh is empty
 };
@@ -273,7 +274,9 @@ private:
       s.fraction_smooth += (value >= 0.85 ? 1.0 : 0.0) / static_cast<double>(smoothness.size());
     }
     s.dirichlet_energy = field_->dirichlet_energy();
-    s.n_singular_edges = singular_graph(field_->adjacency(), field_->points(), field_->frames()).facets.size();
+    SingularGraph singular = singular_graph(field_->adjacency(), field_->points(), field_->frames());
+    s.n_singular_edges = singular.facets.size();
+    result_.singular_lines = std::move(singular.polylines);
   }
 
   bool make_lattice() {

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Makes the pictures of docs/viewer.md and docs/results.md from pages that framehex writes, in headless Chromium.
+
+    viewer_pictures.py PROGRAM [NAME...]      without names: all
+
+Pages of the paper's figures show the paper's variants in the paper's terms, and the program's lattice, side by side. Needs
+Debian's chromium and tetgen.
+"""
+import base64
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "examples" / "viewer"), str(ROOT / "benchmarks" / "paper")]
+import run  # noqa: E402
+import shapes  # noqa: E402
+from chromium import Page  # noqa: E402
+
+IMAGES = ROOT / "docs" / "images"
+WIDTH, HEIGHT = 560, 520  # of one panel
+
+# Name: model, address of the view, variants. Those of the paper's figures are cut like there.
+FIGURES = {
+    "results-dome": ("dome", "cut=y,0.5&view=-75,12,1.35", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-bunny": ("bunny", "cut=z,0.55&view=-90,60,1.3", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-blade": ("blade", "cut=z,0.5&view=-60,40,1.6", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-fuselage": ("fuselage", "cut=y,0.5&view=-75,12,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-piece": ("piece", "cut=z,0.3&view=-60,40,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-naca": ("naca", "cut=y,0.5&view=-90,25,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-placement": ("dome", "cut=y,0.5&view=-75,12,1.35", ["fronts", "lattice"]),
+    "results-smoothness": ("dome", "cut=y,0.5&view=-75,12,1.35&colour=smoothness", ["NN-FB", "Sm-FB", "fronts"]),
+}
+CAPTIONS = {"NN-Fr": "nearest, first in first out", "NN-FB": "nearest, smoothest first", "Sm-FB": "smoothed, smoothest first",
+            "fronts": "best field, fronts", "lattice": "best field, lattice"}
+# Whole pages as a user sees them.
+VIEWS = {
+    "viewer-bunny": ("bunny", "theme=light&cut=z,0.55&view=-70,35,1.35"),
+    "viewer-blade": ("blade", "theme=dark&cut=z,0.7&view=-60,35,1.2&colour=quality"),
+}
+
+
+def page_of(program, model, variant, folder):
+    path = folder / variant / f"{model}.html"
+    path.parent.mkdir(exist_ok=True)
+    if not path.exists():
+        surface = run.surface_file(run.MODELS, model, folder)
+        subprocess.run([program, "mesh", surface, "--size", str(run.SMALL[model]), "-o", path, "--quiet",
+                        *run.VARIANTS[variant]], check=True)
+    return path
+
+
+def side_by_side(page, pictures, captions, out):
+    """One picture of several, each over its caption."""
+    figures = "".join(f'<figure><img src="data:image/png;base64,{base64.b64encode(png).decode()}"><figcaption>{caption}'
+                      "</figcaption></figure>" for png, caption in zip(pictures, captions))
+    html = out.with_suffix(".html")
+    html.write_text('<!DOCTYPE html><meta charset="utf-8"><style>body{margin:0;display:flex;background:#fff}figure{margin:0}'
+                    f"img{{width:{WIDTH}px;height:{HEIGHT}px;display:block}}figcaption{{font:18px system-ui,sans-serif;"
+                    f"text-align:center;padding:6px 0 10px}}</style>{figures}")
+    page.call("Emulation.setDeviceMetricsOverride", width=WIDTH * len(pictures), height=HEIGHT + 42, deviceScaleFactor=1,
+              mobile=False)
+    page.open(html)
+    page.picture(out)
+    html.unlink()
+
+
+def make_figure(program, name, folder):
+    model, address, variants = FIGURES[name]
+    with Page(WIDTH, HEIGHT) as page:
+        pictures, captions = [], []
+        for variant in variants:
+            page.open(page_of(program, model, variant, folder), f"panel=0&theme=light&curves=0&{address}")
+            page.evaluate("document.getElementById('show').remove(); document.body.style.background = '#fff'")
+            pictures.append(page.picture())
+            ratio = [page.evaluate(f"document.getElementById('{what}-hexahedron').firstChild.textContent")[:-2]
+                     for what in ("number", "volume")]
+            captions.append(f"{CAPTIONS[variant]}: {ratio[0]} / {ratio[1]} %")
+        side_by_side(page, pictures, captions, IMAGES / f"{name}.png")
+
+
+def ball_in_a_box(program, folder):
+    """A page of tetrahedra of two regions, recombined."""
+    points, faces = shapes.icosphere(3)
+    box = [(x, y, z) for x in (-1.6, 1.6) for y in (-1.6, 1.6) for z in (-1.6, 1.6)]
+    sides = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+    faces = faces + [tuple(v + len(points) for v in side) for side in sides]
+    points = points + box
+    lines = [f"{len(points)} 3 0 0", *(f"{i} {x} {y} {z}" for i, (x, y, z) in enumerate(points)), f"{len(faces)} 0"]
+    for face in faces:
+        lines += ["1", " ".join(map(str, (len(face), *face)))]
+    lines += ["0", "2", "0 0 0 0 1 -1", "1 1.5 1.5 1.5 2 -1"]
+    (folder / "ball.poly").write_text("\n".join(lines) + "\n")
+    subprocess.run(["tetgen", "-pqAa0.002gQ", folder / "ball.poly"], check=True, stdout=subprocess.DEVNULL)
+    page = folder / "ball in a box.html"
+    subprocess.run([program, "recombine", folder / "ball.1.mesh", "-o", page, "--quiet"], check=True)
+    return page
+
+
+def make_view(path, address, out):
+    with Page(1280, 860) as page:
+        page.open(path, address)
+        page.picture(out)
+
+
+def main():
+    program = str(pathlib.Path(sys.argv[1]).resolve())
+    known = [*FIGURES, *VIEWS, "viewer-regions"]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for wanted in sys.argv[2:] or known:
+            if wanted in FIGURES:
+                make_figure(program, wanted, folder)
+            elif wanted in VIEWS:
+                model, address = VIEWS[wanted]
+                make_view(page_of(program, model, "default", folder), address, IMAGES / f"{wanted}.png")
+            elif wanted == "viewer-regions":
+                make_view(ball_in_a_box(program, folder), "theme=light&cut=y,0.5,flip&view=-70,20,1.1&colour=region",
+                          IMAGES / "viewer-regions.png")
+            else:
+                raise SystemExit(f"viewer_pictures.py: no picture is called {wanted} (there are {', '.join(known)})")
+            print(wanted, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSL-1.0
+// The page: reads the mesh, keeps what is asked for, and brings picture and numbers up to date with it.
+import { readMesh } from "./mesh.js";
+import { SeenFaces, countShown, selectCells } from "./selection.js";
+import { KIND_COLOURS, categoryColour, scaleColour, set } from "./colours.js";
+import { Picture } from "./scene.js";
+import { Panel } from "./panel.js";
+import { listenToKeys, listenToDragging } from "./input.js";
+
+const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+
+class Viewer {
+  constructor() {
+    this.mesh = readMesh();
+    this.shown = new Uint8Array(this.mesh.nCells);
+    this.seen = new SeenFaces();
+    const [least, greatest] = extremes(this.mesh.quality);
+    this.labels = [...new Set(this.mesh.regions)].sort((a, b) => a - b);
+    this.state = {
+      cut: "none", at: 0.5, flip: false, viewNormal: null, peel: 0, colour: "kind",
+      kinds: [true, true, true, true], low: least, high: greatest, hiddenRegions: new Set(), dragCuts: false,
+    };
+    this.scales = this.colourScales(least);
+    this.picture = new Picture(document.getElementById("picture"));
+    this.picture.addCurves(this.mesh);
+    this.picture.addLines(this.mesh);
+    this.panel = new Panel(this);
+    listenToKeys(this);
+    listenToDragging(this);
+    this.readAddress();
+    this.panel.showState();
+    this.update();
+  }
+
+  /** Values and ends of what cells can be coloured by beside their kind and region. */
+  colourScales(least) {
+    const scales = { quality: { name: "Scaled Jacobian", values: this.mesh.quality, low: Math.min(least, 0), high: 1 } };
+    this.mesh.arrays.forEach(({ name, values }, i) => {
+      const [low, high] = extremes(values);
+      scales[`array-${i}`] = { name, values, low, high };
+    });
+    return scales;
+  }
+
+  /** The cutting plane: cells whose centre has normal . centre <= offset stay. */
+  plane() {
+    const { cut, at, flip, viewNormal } = this.state;
+    if (cut === "none") return { normal: null, offset: 0 };
+    const direction = cut === "view" ? viewNormal : AXES[cut];
+    const [low, high] = this.extent(direction);
+    const offset = low + at * (high - low);
+    return flip ? { normal: direction.map((x) => -x), offset: -offset } : { normal: direction, offset };
+  }
+
+  /** Least and greatest distance of the mesh's points along a direction. */
+  extent(direction) {
+    const { points } = this.mesh;
+    if (this.extentOf === direction.join()) return this.knownExtent;
+    let low = Infinity, high = -Infinity;
+    for (let i = 0; i < points.length; i += 3) {
+      const d = direction[0] * points[i] + direction[1] * points[i + 1] + direction[2] * points[i + 2];
+      if (d < low) low = d;
+      if (d > high) high = d;
+    }
+    this.extentOf = direction.join();
+    return (this.knownExtent = [low, high]);
+  }
+
+  /** Cuts across "x", "y", "z", the "view" or "none", so that the eye looks at the cut. */
+  cutAcross(cut) {
+    const towards = this.picture.towardsEye().toArray();
+    this.change({ cut, flip: cut in AXES && towards["xyz".indexOf(cut)] < 0 });
+  }
+
+  /** Changes what is asked for and shows it, once a frame however often it changes. */
+  change(changes) {
+    Object.assign(this.state, changes);
+    if (changes.cut === "view") this.state.viewNormal = this.picture.towardsEye().toArray();
+    this.panel.showState();
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => this.update());
+  }
+
+  update() {
+    this.pending = false;
+    selectCells(this.mesh, { ...this.state, ...this.plane() }, this.shown);
+    this.seen.update(this.mesh, this.shown, this.colourOf());
+    this.picture.setFaces(this.seen);
+    this.picture.clipLines(this.plane());
+    this.panel.showCounts(countShown(this.mesh, this.shown), this.seen.nFaces);
+  }
+
+  colourOf() {
+    const { mesh, labels } = this, { colour } = this.state, scale = this.scales[colour];
+    if (scale) {
+      const factor = scale.high > scale.low ? 1 / (scale.high - scale.low) : 0;
+      return (cell, out) => scaleColour((scale.values[cell] - scale.low) * factor, out);
+    }
+    if (colour === "region") {
+      const rank = new Map(labels.map((label, i) => [label, i]));
+      return (cell, out) => set(out, categoryColour(rank.get(mesh.regions[cell])));
+    }
+    return (cell, out) => set(out, KIND_COLOURS[mesh.kinds[cell]]);
+  }
+
+  /** Brings the camera to a cell, with everything between it and the eye cut away. */
+  visit(cell) {
+    const centre = Array.from(this.mesh.centres.subarray(3 * cell, 3 * cell + 3));
+    const normal = this.picture.towardsEye().toArray(), [low, high] = this.extent(normal);
+    const depth = normal[0] * centre[0] + normal[1] * centre[1] + normal[2] * centre[2];
+    this.change({ cut: "view", flip: false, at: (depth + 1e-6 - low) / (high - low) });
+    this.picture.pointOut(this.mesh, cell);
+    this.picture.flyTo(centre, Math.cbrt(Math.abs(this.mesh.volumes[cell])) || 0.01);
+  }
+
+  reset() {
+    const { low, high } = this.panel.qualityEnds;
+    this.picture.pointOut(this.mesh, null);
+    this.picture.look(-55, 25, 1);
+    this.change({ cut: "none", at: 0.5, flip: false, peel: 0, colour: "kind", kinds: [true, true, true, true], low, high,
+                  hiddenRegions: new Set() });
+  }
+
+  /** What the address asks for after `#`: view=AZIMUTH,ELEVATION[,ZOOM] cut=x,0.5[,flip] peel= colour= theme= panel=0. */
+  readAddress() {
+    const asked = new URLSearchParams(location.hash.slice(1)), { state } = this;
+    const numbers = (name) => asked.get(name).split(",").map(Number);
+    if (asked.has("view")) {
+      const [azimuth, elevation, zoom = 1] = numbers("view");
+      this.picture.look(azimuth, elevation, zoom);
+    }
+    if (asked.has("cut")) {
+      const [cut, at = 0.5, flip] = asked.get("cut").split(",");
+      if (cut in AXES || cut === "view")
+        Object.assign(state, { cut, at: Number(at), flip: flip === "flip", viewNormal: this.picture.towardsEye().toArray() });
+    }
+    if (asked.has("peel")) [state.peel] = numbers("peel");
+    if (asked.has("colour")) {
+      const wanted = asked.get("colour");
+      state.colour = Object.keys(this.scales).find((key) => this.scales[key].name === wanted) ?? wanted;
+    }
+    for (const which of ["lines", "curves"])
+      if (asked.has(which)) this.panel.setLines(which, asked.get(which) !== "0");
+    if (asked.has("theme")) this.panel.setTheme(asked.get("theme"));
+    if (asked.get("panel") === "0") this.panel.toggle();
+  }
+}
+
+function extremes(values) {
+  let low = Infinity, high = -Infinity;
+  for (const x of values) {
+    if (x < low) low = x;
+    if (x > high) high = x;
+  }
+  return low <= high ? [low, high] : [0, 0];
+}
+
+/** An error on the page rather than an empty picture. */
+try {
+  new Viewer();
+} catch (error) {
+  document.getElementById("failure").hidden = false;
+  document.getElementById("failure").textContent = `This mesh cannot be shown: ${error.message}`;
+  throw error;
+}
