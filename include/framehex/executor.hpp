@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <concepts>
 #include <condition_variable>
 #include <cstddef>
@@ -21,9 +22,6 @@ namespace framehex {
 /// `worker` < `executor.workers()` never shared by two calls at the same time (so it may index scratch memory), and
 /// returns when all have ended. A host wraps its own thread pool in ten lines. Algorithms cut their work into blocks
 /// that do not depend on the number of workers, so that results do not either.
-///
-/// The calling thread should run blocks as well, as `ThreadExecutor`'s does: an observer is called on that thread and
-/// from within its blocks, so that a pool that leaves it idle is silent, and cannot be cancelled, while it works.
 template <class E>
 concept Executor = requires(const E& executor, std::size_t n, void (*body)(std::size_t, std::size_t)) {
   executor(n, body);
@@ -141,8 +139,11 @@ private:
   std::shared_ptr<detail::ThreadPool> pool_;
 };
 
-/// An executor that asks on the calling thread, after each of its blocks, whether to go on; blocks not yet begun when
+/// An executor that asks on the calling thread, about twenty times a second, whether to go on; blocks not yet begun when
 /// the answer is no are left out.
+///
+/// Blocks are handed on in batches and the question is asked between them, so that it is asked whatever threads the
+/// executor runs them on. A batch takes as many blocks as the last ones' time allows.
 template <Executor E, class Stop>
 class StoppableExecutor {
 public:
@@ -153,13 +154,19 @@ public:
 
   template <class Body>
   void operator()(std::size_t n_blocks, Body&& body) const {
-    const auto caller = std::this_thread::get_id();
-    std::atomic<bool> stopped{false};
-    executor_(n_blocks, [&](std::size_t block, std::size_t worker) {
-      if (stopped) return;
-      body(block, worker);
-      if (std::this_thread::get_id() == caller && stop_()) stopped = true;
-    });
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds short_batch(25), long_batch(100);
+    const std::size_t least = executor_.workers();
+    for (std::size_t first = 0, size = least; first < n_blocks;) {
+      const Clock::time_point start = Clock::now();
+      const std::size_t n = std::min(size, n_blocks - first);
+      executor_(n, [&](std::size_t block, std::size_t worker) { body(first + block, worker); });
+      if (stop_()) return;
+      first += n;
+      const auto took = Clock::now() - start;
+      if (took < short_batch) size *= 2;
+      if (took > long_batch) size = std::max(size / 2, least);
+    }
   }
 
 private:

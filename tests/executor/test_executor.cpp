@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/executor.hpp"
+#include "support/idle_caller.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -70,10 +71,33 @@ TEST_CASE("what a block throws arrives, and the pool goes on", "[executor]") {
 }
 
 TEST_CASE("an executor that is told to stop leaves the rest out", "[executor]") {
-  int n_asked = 0;
+  bool stop = false;
   std::size_t n_run = 0;
   const SerialExecutor serial;
-  const StoppableExecutor executor(serial, [&] { return ++n_asked == 10; });
-  executor(100, [&](std::size_t, std::size_t) { ++n_run; });
-  CHECK(n_run == 10);
+  const StoppableExecutor executor(serial, [&] { return stop; });
+  executor(100'000'000, [&](std::size_t block, std::size_t) {
+    ++n_run;
+    stop = block >= 1000;
+  });
+  CHECK(n_run > 1000);
+  CHECK(n_run < 100'000'000);
+}
+
+TEST_CASE("whether to stop is asked on the calling thread, whoever works", "[executor]") {
+  const auto caller = std::this_thread::get_id();
+  const test::IdleCaller idle;
+  int n_asked = 0, n_elsewhere = 0;
+  std::vector<int> n_runs(40, 0);
+  const StoppableExecutor executor(idle, [&] {
+    ++n_asked;
+    n_elsewhere += std::this_thread::get_id() != caller;
+    return false;
+  });
+  executor(n_runs.size(), [&](std::size_t block, std::size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ++n_runs[block];
+  });
+  CHECK(n_elsewhere == 0);
+  CHECK(n_asked >= 4);  // 0.8 s of work
+  CHECK(std::ranges::count(n_runs, 1) == 40);
 }

@@ -6,6 +6,7 @@
 #include "framehex/verify/validity.hpp"
 #include "support/complexes.hpp"
 #include "support/kuhn_lattice.hpp"
+#include "support/listener.hpp"
 #include "support/ply.hpp"
 #include "support/stl.hpp"
 #include "support/surface_samples.hpp"
@@ -360,4 +361,14 @@ TEST_CASE("a complex comes out the same for any number of threads, and its field
   CHECK(one.statistics.smoothness_mean < 0.99);
   CHECK(verify::is_conforming(free.recombination.mesh));
   CHECK(region_volumes(free.recombination.mesh).size() == 2);
+}
+
+TEST_CASE("meshing a surface is heard of all the time", "[pipeline][progress]") {
+  const IndexedTriangleMesh bunny = test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
+  test::Listener listener;
+  MeshingOptions options;
+  options.observer = listener.observer();
+  options.order = GENERATE(PointOrder::smoothness, PointOrder::lattice);
+  mesh_surface(bunny, ConstantSize{0.26}, TetgenProcess{}, options);
+  listener.check_silences();
 }

@@ -214,7 +214,12 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& o
   features.given_edges = detail::edges_on_boundary(options.features.given_edges, boundary);
   try {
     const Surface surface(boundary.surface, features);
-    const SurfaceCrossField crosses = compute_cross_field(surface, options.cross_field);
+    const SurfaceCrossField crosses =
+        compute_cross_field(surface, detail::observed_by(options.cross_field, field.observer));
+    if (crosses.status == Status::cancelled) {
+      if (report) report->status = Status::cancelled;
+      return result;
+    }
     FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
     if (report) *report = std::move(course);
     return result;

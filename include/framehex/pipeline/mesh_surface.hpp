@@ -116,8 +116,9 @@ public:
     options_.recombination.regions = {};
     options_.recombination.finder.free_tets = {};
     if (!options_.observer) return;
-    for (Observer* observer : {&options_.field.observer, &options_.lattice.observer, &options_.surface.observer,
-                               &options_.volume.observer, &options_.recombination.observer})
+    for (Observer* observer :
+         {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
+          &options_.surface.observer, &options_.volume.observer, &options_.recombination.observer})
       *observer = options_.observer;
   }
 
@@ -227,17 +228,17 @@ private:
     if (background.status != Status::complete) return false;
     watch_.lap(seconds_.background);
 
-    if (!going("frame field", 0)) return false;
     cross_field_ = compute_cross_field(surface_, options_.cross_field);
-    if (!going("frame field", 0.2)) return false;
+    if (cross_field_.status == Status::cancelled) return false;
     FieldReport report;
     if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
       const auto [outer, vertex_of] = outer_boundary();
       FieldOptions options = options_.field;
       options.vertex_of = vertex_of;
-      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), outer,
-                                         compute_cross_field(outer, options_.cross_field).frames, options, executor_,
-                                         &report));
+      const SurfaceCrossField outer_crosses = compute_cross_field(outer, options_.cross_field);
+      if (outer_crosses.status == Status::cancelled) return false;
+      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), outer, outer_crosses.frames,
+                                         options, executor_, &report));
     } else {
       field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), surface_,
                                          cross_field_.frames, options_.field, executor_, &report));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/observer.hpp"
 #include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/cross_solver.hpp"
 #include "framehex/surface/surface.hpp"
@@ -27,6 +28,7 @@ struct CrossFieldOptions {
   int max_iterations = 30;  ///< >= 0; of the eigenvalue solver on closed patches
   double tolerance = 1e-3;  ///< > 0 to 1; relative change of the eigenvalue at which it stops
   int diffusion_steps = 3;  ///< >= 0; on closed patches, rounds of spreading and bringing back to unit size
+  Observer observer = {};   ///< silent while a matrix is factorised
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -132,10 +134,14 @@ inline SurfaceCrossField compute_cross_field(const Surface& surface, const Cross
   const TriangleAdjacency& adjacency = surface.adjacency;
   const std::vector<Vector3> normals = detail::triangle_normals(surface.points, adjacency);
   const detail::EdgeConnection connection = detail::make_edge_connection(surface.points, adjacency);
-  detail::CrossSolver solver(adjacency, surface.features, connection);
-  solver.solve_patches_with_features();
-  solver.solve_closed_patches(detail::curvature_crosses(surface.points, adjacency, connection, normals),
-                              {options.curvature, options.max_iterations, options.tolerance, options.diffusion_steps});
+  detail::CrossSolver solver(adjacency, surface.features, connection, [&](double fraction) {
+    return keep_going(options.observer, "cross field", fraction);
+  });
+  if (!solver.solve_patches_with_features() ||
+      !solver.solve_closed_patches(
+          detail::curvature_crosses(surface.points, adjacency, connection, normals),
+          {options.curvature, options.max_iterations, options.tolerance, options.diffusion_steps}))
+    return {.status = Status::cancelled};
   const std::vector<double> cross = solver.triangle_crosses();
 
   SurfaceCrossField field;

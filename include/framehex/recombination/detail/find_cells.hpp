@@ -8,7 +8,6 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 namespace framehex::detail {
 
@@ -107,15 +106,15 @@ public:
     workers_.resize(executor.workers());
     if (n_blocks_ >= 16) reserve_from_sample(executor);
     waiting_.resize(n_blocks_);
-    const auto caller = std::this_thread::get_id();
-    executor(n_blocks_, [&](std::size_t block, std::size_t worker) {
-      if (cancelled_) return;
+    const StoppableExecutor watched(executor, [this] {
+      const double done = static_cast<double>(next_) / static_cast<double>(n_blocks_);
+      return cancelled_ = !keep_going(input_->options().observer, "recombination", done);
+    });
+    watched(n_blocks_, [&](std::size_t block, std::size_t worker) {
       Worker& w = at(worker);
       for (std::size_t v = block * block_size; v < std::min(n_vertices_, (block + 1) * block_size); ++v)
         w.filter.find(static_cast<index_t>(v), w.found);
-      const double fraction = deliver(block, w);
-      if (std::this_thread::get_id() == caller && !keep_going(input_->options().observer, "recombination", fraction))
-        cancelled_ = true;
+      deliver(block, w);
     });
     if (cancelled_) result_.status = Status::cancelled;
     return std::move(result_);
@@ -157,8 +156,7 @@ private:
     reserve(result_, scaled(n), scaled(n_tets), scaled(n_slivers));
   }
 
-  /// @return the fraction of the blocks that are in the result.
-  double deliver(std::size_t block, Worker& worker) {
+  void deliver(std::size_t block, Worker& worker) {
     const std::lock_guard lock(delivery_);
     if (block != next_) {
       waiting_[block] = std::make_unique<Candidates<Corners>>(std::move(worker.found));
@@ -171,7 +169,6 @@ private:
         waiting_[next_].reset();
       }
     }
-    return static_cast<double>(next_) / static_cast<double>(n_blocks_);
   }
 
   const FinderInput* input_;
@@ -179,7 +176,7 @@ private:
   std::vector<std::unique_ptr<Worker>> workers_;
   std::vector<std::unique_ptr<Candidates<Corners>>> waiting_;
   std::mutex delivery_;
-  std::atomic<bool> cancelled_{false};
+  bool cancelled_ = false;
   Candidates<Corners> result_;
 };
 

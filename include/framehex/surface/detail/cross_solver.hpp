@@ -5,6 +5,7 @@
 #include "framehex/surface/feature_graph.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <functional>
 #include <random>
 #include <span>
 #include <utility>
@@ -57,38 +58,50 @@ public:
     int diffusion_steps;
   };
 
-  CrossSolver(const TriangleAdjacency& adjacency, const FeatureGraph& features, const EdgeConnection& connection)
+  /// @param proceed  `bool proceed(fraction)`, asked between the steps of the solution; false ends it.
+  CrossSolver(const TriangleAdjacency& adjacency, const FeatureGraph& features, const EdgeConnection& connection,
+              std::function<bool(double)> proceed)
       : adjacency_(adjacency),
         features_(features),
         connection_(connection),
         cross_(connection.n_edges(), Complex(1)),
-        unknown_(connection.n_edges(), no_index) {
+        unknown_(connection.n_edges(), no_index),
+        proceed_(std::move(proceed)) {
     constrained_patch_.assign(features.n_patches, 0);
     for (index_t h = 0; h < adjacency.opposite.size(); ++h)
       if (fixed(connection.edge_of[h])) constrained_patch_[features.triangle_patch[h / 3]] = 1;
   }
 
   /// Laplace's equation with the features' directions as boundary values.
-  void solve_patches_with_features() {
+  /// @return false when told to stop.
+  bool solve_patches_with_features() {
     std::vector<index_t> triangles;
     for (index_t t = 0; t < adjacency_.triangles.size(); ++t)
       if (constrained_patch_[features_.triangle_patch[t]]) triangles.push_back(t);
     const Unknowns unknowns = number(triangles);
-    if (unknowns.edges.empty()) return;
+    if (unknowns.edges.empty()) return going();
     Vector right = Vector::Zero(static_cast<Eigen::Index>(unknowns.edges.size()));
     const Matrix stiffness = assemble(unknowns, 0, &right);
-    const Vector x = Factor(stiffness).solve(right);
+    Factor factor;
+    factor.analyzePattern(stiffness);
+    if (!going()) return false;
+    factor.factorize(stiffness);
+    if (!going()) return false;
+    const Vector x = factor.solve(right);
     store(unknowns, x);
+    return going();
   }
 
   /// The least eigenvector, or a compromise with given crosses.
-  void solve_closed_patches(const std::vector<Complex>& guide, const ClosedOptions& options) {
+  /// @return false when told to stop.
+  bool solve_closed_patches(const std::vector<Complex>& guide, const ClosedOptions& options) {
     const Csr<index_t> triangles_of_patch = make_csr(constrained_patch_.size(), [&](auto&& put) {
       for (index_t t = 0; t < adjacency_.triangles.size(); ++t)
         if (!constrained_patch_[features_.triangle_patch[t]]) put(features_.triangle_patch[t], t);
     });
     for (std::size_t patch = 0; patch < constrained_patch_.size(); ++patch)
-      if (!triangles_of_patch[patch].empty()) solve_closed(triangles_of_patch[patch], guide, options);
+      if (!triangles_of_patch[patch].empty() && !solve_closed(triangles_of_patch[patch], guide, options)) return false;
+    return true;
   }
 
   /// Angle of the cross in each triangle: that of the mean of its three numbers, which is the value at the centroid.
@@ -169,17 +182,18 @@ private:
     return m;
   }
 
-  void solve_closed(std::span<const index_t> triangles, const std::vector<Complex>& guide,
+  bool solve_closed(std::span<const index_t> triangles, const std::vector<Complex>& guide,
                     const ClosedOptions& options) {
     const Unknowns u = number(triangles);
     const auto n = static_cast<Eigen::Index>(u.edges.size());
-    if (n == 0) return;
+    if (n == 0) return true;
     const Eigen::VectorXd m = mass(u);
     const double shift =
         1e-3 / m.sum();  // below the least eigenvalue of any surface with curvature, so convergence is quick
     Factor factor;
     const Matrix matrix = assemble(u, shift, nullptr);
     factor.analyzePattern(matrix);
+    if (!going()) return false;
     factor.factorize(matrix);
 
     Vector x(n), pull(n);
@@ -198,6 +212,7 @@ private:
     scale(x);
     double eigenvalue = 0;
     for (int i = 0; i < options.max_iterations; ++i) {
+      if (!going()) return false;
       x = factor.solve(Vector(m.array() * x.array()));
       const double last = std::exchange(eigenvalue, 1 / scale(x));
       if (std::abs(eigenvalue - last) <= options.tolerance * eigenvalue) break;
@@ -210,26 +225,34 @@ private:
       if (std::abs(agreement) > 0) x *= agreement / std::abs(agreement);
       x += options.curvature * pull;
     }
-    diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, factor, x);
+    if (!diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, factor, x)) return false;
     store(u, x);
+    return going();
   }
 
   /// Spreads and brings back to unit size, over shorter and shorter times: where the eigenvector is small its direction
   /// is poor, and pairs of opposite singularities stand there that unit crosses do not want.
-  void diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Factor& factor, Vector& x) const {
+  bool diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Factor& factor, Vector& x) const {
     const auto normalize = [&] {
       for (Complex& value : x)
         if (std::abs(value) > 0) value /= std::abs(value);
     };
     for (int round = 0; round < steps; ++round) {
       time /= 4;
+      if (!going()) return false;
       factor.factorize(assemble(u, 1 / time, nullptr));
       for (int i = 0; i < 4; ++i) {
+        if (!going()) return false;
         normalize();
         x = factor.solve(Vector(m.array() * x.array()));
       }
       normalize();
     }
+    return true;
+  }
+
+  bool going() const {
+    return proceed_(static_cast<double>(n_solved_) / static_cast<double>(adjacency_.triangles.size()));
   }
 
   void store(const Unknowns& u, const Vector& x) {
@@ -237,6 +260,7 @@ private:
       cross_[u.edges[i]] = x[static_cast<Eigen::Index>(i)];
       unknown_[u.edges[i]] = no_index;
     }
+    n_solved_ += u.triangles.size();
   }
 
   const TriangleAdjacency& adjacency_;
@@ -245,6 +269,8 @@ private:
   std::vector<Complex> cross_;    ///< edge
   std::vector<index_t> unknown_;  ///< edge -> unknown of the patches in work, or `no_index`
   std::vector<char> constrained_patch_;
+  std::function<bool(double)> proceed_;
+  std::size_t n_solved_ = 0;  ///< triangles
 };
 
 }  // namespace framehex::detail
