@@ -29,8 +29,12 @@ TEST_CASE("recombination is heard of all the time, whoever works", "[progress]")
   const IndexedTetMesh mesh = jittered_cubes(28);
   test::Listener listener;
   const Observer observer = listener.observer();
-  SECTION("this thread") { recombine(mesh, {.observer = observer}); }
-  SECTION("another") { recombine(mesh, {.observer = observer}, test::IdleCaller{}); }
+  SECTION("this thread") {
+    recombine(mesh, {.observer = observer});
+  }
+  SECTION("another") {
+    recombine(mesh, {.observer = observer}, test::IdleCaller{});
+  }
   listener.check_silences();
 }
 
@@ -40,7 +44,11 @@ TEST_CASE("frame fields are heard of all the time, whoever works", "[progress]")
   test::Listener listener;
   const Observer observer = listener.observer();
   const MeshFieldOptions options{.field = {.method = method, .observer = observer}};
-  SECTION("this thread") { compute_frame_field(mesh, options); }
-  SECTION("another") { compute_frame_field(mesh, options, test::IdleCaller{}); }
+  SECTION("this thread") {
+    compute_frame_field(mesh, options);
+  }
+  SECTION("another") {
+    compute_frame_field(mesh, options, test::IdleCaller{});
+  }
   listener.check_silences();
 }

@@ -116,9 +116,8 @@ public:
     options_.recombination.regions = {};
     options_.recombination.finder.free_tets = {};
     if (!options_.observer) return;
-    for (Observer* observer :
-         {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
-          &options_.surface.observer, &options_.volume.observer, &options_.recombination.observer})
+    for (Observer* observer : {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
+                               &options_.surface.observer, &options_.volume.observer, &options_.recombination.observer})
       *observer = options_.observer;
   }
 

@@ -20,6 +20,7 @@ struct SurfaceCrossField {
   std::vector<double> smoothness;               ///< n_vertices, 0 to 1
   std::vector<CrossSingularity> singularities;  ///< ascending vertices; on a closed surface the indices sum to 4 times
                                                 ///< its Euler characteristic
+  Status status = Status::complete;             ///< cancelled: all else is empty
 };
 
 /// How crosses are chosen where no feature prescribes them.
@@ -134,14 +135,13 @@ inline SurfaceCrossField compute_cross_field(const Surface& surface, const Cross
   const TriangleAdjacency& adjacency = surface.adjacency;
   const std::vector<Vector3> normals = detail::triangle_normals(surface.points, adjacency);
   const detail::EdgeConnection connection = detail::make_edge_connection(surface.points, adjacency);
-  detail::CrossSolver solver(adjacency, surface.features, connection, [&](double fraction) {
-    return keep_going(options.observer, "cross field", fraction);
-  });
+  detail::CrossSolver solver(adjacency, surface.features, connection,
+                             [&](double fraction) { return keep_going(options.observer, "cross field", fraction); });
   if (!solver.solve_patches_with_features() ||
       !solver.solve_closed_patches(
           detail::curvature_crosses(surface.points, adjacency, connection, normals),
           {options.curvature, options.max_iterations, options.tolerance, options.diffusion_steps}))
-    return {.status = Status::cancelled};
+    return {.frames = {}, .smoothness = {}, .singularities = {}, .status = Status::cancelled};
   const std::vector<double> cross = solver.triangle_crosses();
 
   SurfaceCrossField field;
