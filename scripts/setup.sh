@@ -12,6 +12,7 @@ packages=(
   tetgen                                            # the tetrahedraliser, run as a separate program
   catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
+  openfoam                                          # its checkMesh, another
   chromium                                          # the page that shows a mesh, tested without a display
   locales                                           # a decimal comma for the tests
 )

@@ -36,6 +36,7 @@ inline framehex::RecombineOptions recombine_options(const Options& options, cons
                           : options.interfaces == "no-pyramids" ? framehex::InterfaceMode::no_pyramids
                                                                 : framehex::InterfaceMode::conforming;
   r.assembly.improvement = options.improve ? framehex::ImprovementMode::improve : framehex::ImprovementMode::none;
+  r.assembly.fit = options.finite_volume ? framehex::CellFit::finite_volume : framehex::CellFit::any;
   r.assembly.vertex_numbers = framehex::VertexNumbers::compact;  // solvers want no vertex without a cell
   r.observer = observer;
   return r;

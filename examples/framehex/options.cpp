@@ -94,6 +94,9 @@ void add_recombination(CLI::App& command, Options& options) {
       ->capture_default_str();
   command.add_flag("!--no-improvement", options.improve,
                    "Leave the vertices in their places: nothing is moved, reconnected or removed to make cells better");
+  command.add_flag("--finite-volume", options.finite_volume,
+                   "Cells that finite volume solvers take: inner faces look into all directions, faces can be cut into "
+                   "tetrahedra with the centres of their cells");
   command.add_option("--seed", options.seed, "Of all random choices")
       ->check(in_range(0, 1e15, "a number from 0 to 1e15"))
       ->type_name("N")
@@ -210,6 +213,7 @@ nlohmann::ordered_json to_json(const Options& options) {
     if (options.budget_seconds) json["budget"] = *options.budget_seconds;
     json["interfaces"] = options.interfaces;
     json["improvement"] = options.improve;
+    json["finite_volume"] = options.finite_volume;
     json["seed"] = options.seed;
   }
   if (options.command == Command::recombine) {

@@ -25,7 +25,8 @@ struct Options {
   std::optional<double> budget_seconds;
   std::size_t threads = 0;  // 0: as many as the machine has
   std::uint64_t seed = 1;
-  bool improve = true;  // move and reconnect what is not a hexahedron
+  bool finite_volume = false;  // cells that suit finite volumes
+  bool improve = true;         // move and reconnect what is not a hexahedron
   bool quiet = false;
   std::optional<double> repair;                     // largest tolerance by the box's diagonal; empty: none
   bool compress = false;                            // arrays of .vtu

@@ -62,6 +62,8 @@ void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombi
                       {"raised", a.n_raised},
                       {"split", a.n_split},
                       {"dissolved", a.n_dissolved},
+                      {"refitted", a.n_refitted},
+                      {"unfit", a.n_unfit},
                       {"new_vertices", a.n_new_vertices},
                       {"removed_vertices", a.n_removed_vertices}};
 }

@@ -24,6 +24,13 @@ enum class PrismMode { none, chosen };
 /// `none` moves and removes no vertex either.
 enum class ImprovementMode { none, improve };
 
+/// What the cells must suit beside the exact test of validity.
+enum class CellFit {
+  any,           ///< elements of any kind of solver
+  finite_volume  ///< and finite volumes: inner faces that look into all directions, and faces that can be cut into
+  ///< tetrahedra with the centres of their cells; costs hexahedra on sharp edges and in walls of one cell
+};
+
 /// What becomes of the numbers of the input's vertices.
 enum class VertexNumbers {
   kept,    ///< vertex v of the input is point v of the result, also when no cell uses it (any longer); new ones follow
@@ -35,6 +42,7 @@ struct AssemblyOptions {
   InterfaceMode interfaces = InterfaceMode::conforming;
   PrismMode prisms = PrismMode::chosen;
   ImprovementMode improvement = ImprovementMode::improve;
+  CellFit fit = CellFit::any;  ///< finite volumes: with `conforming` only
   VertexNumbers vertex_numbers = VertexNumbers::kept;
   /// Least scaled Jacobian of a prism that is chosen, 0 to 1.
   double prism_quality_floor = 0.25;
@@ -81,6 +89,8 @@ struct AssemblyStatistics {
   std::size_t n_split = 0;                ///< hexahedra and prisms split from a new vertex at their centre
   std::size_t n_dissolved = 0;            ///< hexahedra and prisms taken back into their tetrahedra
   std::size_t n_withdrawn = 0;            ///< of those, left out from the start because they could not be closed
+  std::size_t n_refitted = 0;             ///< places where cells were replaced to fit `AssemblyOptions::fit`
+  std::size_t n_unfit = 0;                ///< cells that do not fit it all the same
   std::size_t n_new_vertices = 0;         ///< of the result, that the input did not have
   std::size_t n_removed_vertices = 0;     ///< of the input's cells, that no cell of the result uses
   double hexahedron_volume_chosen = 0;    ///< of the selection

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/config.hpp"
+#include "framehex/geometry/cell_kinds.hpp"
 
 #include <algorithm>
 #include <array>
@@ -57,6 +57,19 @@ inline CellGeometry cell_geometry(std::span<const FaceGeometry> faces) {
   return cell;
 }
 
+/// @param corners  of a cell, in the order of its kind.
+inline CellGeometry cell_geometry(CellKind kind, std::span<const Vector3> corners) {
+  std::array<FaceGeometry, 6> geometry{};
+  const auto faces = faces_of(kind);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    std::array<Vector3, 4> points{};
+    const auto n = static_cast<std::size_t>(faces[f].size());
+    for (std::size_t i = 0; i < n; ++i) points[i] = corners[static_cast<std::size_t>(faces[f].corners[i])];
+    geometry[f] = face_geometry(std::span(points).first(n));
+  }
+  return cell_geometry(std::span(geometry).first(faces.size()));
+}
+
 /// Least quality of the tetrahedra over the triangles into which a face is cut from one of its corners.
 ///
 /// @param corners  of the face, anticlockwise seen from the side opposite `tip`.
@@ -78,5 +91,42 @@ inline double decomposition_quality(std::span<const Vector3> corners, std::size_
   }
   return least;
 }
+
+/// The same for a face between two cells, cut from the corner that suits the worse of them best.
+///
+/// @param corners  of the face, anticlockwise seen from the side opposite `tip`.
+/// @param other    centre of the cell on the other side; null on the boundary.
+/// @par Complexity   O(1).
+inline double best_decomposition(std::span<const Vector3> corners, const Vector3& tip, const Vector3* other) {
+  std::array<Vector3, 4> reversed{};
+  const std::size_t n = corners.size();
+  std::reverse_copy(corners.begin(), corners.end(), reversed.begin());
+  double best = -1;
+  for (std::size_t base = 0; base < n; ++base) {
+    double least = decomposition_quality(corners, base, tip);
+    if (other) least = std::min(least, decomposition_quality(std::span(reversed).first(n), n - 1 - base, *other));
+    best = std::max(best, least);
+  }
+  return best;
+}
+
+/// What a cell's inner faces say of the directions into which it can pass something on.
+struct InnerFaces {
+  Eigen::Matrix3d areas = Eigen::Matrix3d::Zero();  ///< sum of S S^T, S the area vectors
+  double area = 0;                                  ///< sum of |S|
+  int n = 0;
+
+  void add(const Vector3& s) {
+    ++n;
+    areas += s * s.transpose();
+    area += s.norm();
+  }
+
+  /// 1 for a cube all of whose faces are inner, 0 where a direction is left out.
+  double determinant() const {
+    const double mean = n > 0 ? area / n : 0;
+    return mean > 0 ? Eigen::Matrix3d(areas / (mean * mean)).determinant() / 8 : 0.0;
+  }
+};
 
 }  // namespace framehex

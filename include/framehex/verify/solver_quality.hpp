@@ -8,6 +8,9 @@
 
 namespace framehex::verify {
 
+/// A cell with a smaller determinant is refused by solvers.
+inline constexpr double least_determinant = 1e-3;
+
 /// What finite volume solvers ask of a mesh, as the worst found and where.
 struct SolverQuality {
   double non_orthogonality = 0;       ///< rad; largest angle between a face's normal and the line of its cells' centres
@@ -17,7 +20,7 @@ struct SolverQuality {
   double volume_ratio = 1;   ///< least of the smaller to the larger cell at a face
   double determinant = 1;    ///< least of a cell: do its inner faces look into all directions? 0 to 1
   std::vector<index_t> bad_decomposition;  ///< the first cell of each face whose decomposition is 0 or less, ascending
-  std::vector<index_t> small_determinant;  ///< cells with a determinant below 0.001, ascending
+  std::vector<index_t> small_determinant;  ///< cells with a determinant below `least_determinant`, ascending
   std::vector<index_t> lonely;             ///< cells with one inner face at most, ascending
 };
 
@@ -27,16 +30,10 @@ struct SolverQualityMeasure {
   const MixedMesh& mesh;
   SolverQuality result;
   std::vector<CellGeometry> cells;
-  std::vector<Eigen::Matrix3d> inner_areas;  // sum of S S^T over the inner faces of each cell
-  std::vector<double> inner_area;            // sum of |S|
-  std::vector<std::uint8_t> n_inner;
+  std::vector<InnerFaces> inner_faces;
   std::size_t n_angles = 0;
 
-  explicit SolverQualityMeasure(const MixedMesh& m)
-      : mesh(m),
-        inner_areas(m.n_cells(), Eigen::Matrix3d::Zero()),
-        inner_area(m.n_cells(), 0.0),
-        n_inner(m.n_cells(), 0) {}
+  explicit SolverQualityMeasure(const MixedMesh& m) : mesh(m), inner_faces(m.n_cells()) {}
 
   std::array<Vector3, 4> corners(const CellFace& face) const {
     std::array<Vector3, 4> p{};
@@ -45,51 +42,28 @@ struct SolverQualityMeasure {
   }
 
   void measure_cells() {
-    std::array<FaceGeometry, 6> geometry{};
-    std::array<std::array<Vector3, 4>, 6> points{};
+    std::array<Vector3, 8> corners{};
     for (index_t c = 0; c < mesh.n_cells(); ++c) {
-      const auto faces = faces_of(mesh.kinds[c]);
-      for (std::size_t f = 0; f < faces.size(); ++f) {
-        const auto n = static_cast<std::size_t>(faces[f].size());
-        for (std::size_t i = 0; i < n; ++i)
-          points[f][i] = mesh.points[mesh.cells[c][static_cast<std::size_t>(faces[f].corners[i])]];
-        geometry[f] = face_geometry(std::span(points[f]).first(n));
-        result.flatness = std::min(result.flatness, geometry[f].flatness);
-      }
-      cells.push_back(cell_geometry(std::span(geometry).first(faces.size())));
+      const auto n = static_cast<std::size_t>(n_corners(mesh.kinds[c]));
+      for (std::size_t i = 0; i < n; ++i) corners[i] = mesh.points[mesh.cells[c][i]];
+      cells.push_back(cell_geometry(mesh.kinds[c], std::span(corners).first(n)));
     }
   }
 
-  /// The corner from which a face is cut is the one that suits its worse cell best.
-  void decompose(std::span<const CellFace> uses) {
-    double best = -1;
-    const std::size_t n = uses[0].size();
-    for (std::size_t base = 0; base < n; ++base) {
-      double least = 1;
-      for (const CellFace& face : uses) {
-        // Each cell has the corners in its own order.
-        const auto at = std::find(face.vertices.begin(), face.vertices.end(), uses[0].vertices[base]);
-        const auto p = corners(face);
-        least = std::min(
-            least, decomposition_quality(std::span(p).first(n), static_cast<std::size_t>(at - face.vertices.begin()),
-                                         cells[face.cell].centre));
-      }
-      best = std::max(best, least);
-    }
-    result.decomposition = std::min(result.decomposition, best);
-    if (best <= 0) result.bad_decomposition.push_back(uses[0].cell);
+  /// @param other  the cell on the other side, `no_index` on the boundary.
+  void measure_face(const CellFace& face, index_t other) {
+    const auto p = corners(face);
+    result.flatness = std::min(result.flatness, face_geometry(std::span(p).first(face.size())).flatness);
+    const double quality = best_decomposition(std::span(p).first(face.size()), cells[face.cell].centre,
+                                              other == no_index ? nullptr : &cells[other].centre);
+    result.decomposition = std::min(result.decomposition, quality);
+    if (quality <= 0) result.bad_decomposition.push_back(face.cell);
   }
 
   void add_inner_face(const CellFace& face, index_t other) {
     const auto p = corners(face);
     const Vector3 area = face_geometry(std::span(p).first(face.size())).area;
-    const double size = area.norm();
-    for (const index_t cell : {face.cell, other}) {
-      ++n_inner[cell];
-      if (size == 0) continue;
-      inner_areas[cell] += area * area.transpose();
-      inner_area[cell] += size;
-    }
+    for (const index_t cell : {face.cell, other}) inner_faces[cell].add(area);
     const Vector3 line = cells[other].centre - cells[face.cell].centre;
     const double angle = std::atan2(area.cross(line).norm(), area.dot(line));
     result.non_orthogonality = std::max(result.non_orthogonality, angle);
@@ -102,11 +76,10 @@ struct SolverQualityMeasure {
   void finish() {
     if (n_angles > 0) result.mean_non_orthogonality /= static_cast<double>(n_angles);
     for (index_t c = 0; c < mesh.n_cells(); ++c) {
-      const double mean = n_inner[c] > 0 ? inner_area[c] / n_inner[c] : 0;
-      const double determinant = mean > 0 ? Eigen::Matrix3d(inner_areas[c] / (mean * mean)).determinant() / 8 : 0.0;
+      const double determinant = inner_faces[c].determinant();
       result.determinant = std::min(result.determinant, determinant);
-      if (determinant < 1e-3) result.small_determinant.push_back(c);
-      if (n_inner[c] <= 1) result.lonely.push_back(c);
+      if (determinant < least_determinant) result.small_determinant.push_back(c);
+      if (inner_faces[c].n <= 1) result.lonely.push_back(c);
     }
   }
 };
@@ -129,7 +102,7 @@ inline SolverQuality solver_quality(const MixedMesh& mesh) {
   const FaceTable table = make_face_table(mesh);
   for (std::size_t g = 0; g < table.n_groups(); ++g) {
     const auto uses = table.group(g);
-    measure.decompose(uses);
+    measure.measure_face(uses[0], uses.size() == 2 ? uses[1].cell : no_index);
     if (uses.size() == 2) measure.add_inner_face(uses[0], uses[1].cell);
   }
   std::sort(measure.result.bad_decomposition.begin(), measure.result.bad_decomposition.end());

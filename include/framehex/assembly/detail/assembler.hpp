@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/assembly/detail/complex_builder.hpp"
+#include "framehex/assembly/detail/finite_volume_fit.hpp"
 #include "framehex/assembly/detail/improver.hpp"
 #include "framehex/assembly/detail/interface_closer.hpp"
 #include "framehex/assembly/detail/prism_chooser.hpp"
@@ -40,6 +41,8 @@ public:
     }
     if (pulse_.stopped()) return false;
     if (improves()) improver_->run(8, options_.interfaces == InterfaceMode::conforming);
+    if (options_.fit == CellFit::finite_volume && options_.interfaces == InterfaceMode::conforming)
+      fit_finite_volumes();
     return pulse_.report(1);
   }
 
@@ -109,6 +112,18 @@ private:
     if (options_.interfaces == InterfaceMode::open) return;
     if (improves()) improver_->reconnect();
     closer.close_all();
+  }
+
+  /// New cells are of poor shape, and moving vertices may spoil what fitted: in turn, a few times, and fitting has the
+  /// last word.
+  void fit_finite_volumes() {
+    constexpr int max_rounds = 4;
+    FiniteVolumeFit fit(builder_->complex);
+    for (int round = 0; round < max_rounds && !pulse_.stopped(); ++round) {
+      if (fit.run(statistics_) == 0) return;
+      if (improves() && round + 1 < max_rounds) improver_->smooth(3, true);
+    }
+    statistics_.n_unfit = fit.find_refused().size();
   }
 
   /// The quadrilaterals that should face a quadrilateral and do not.
