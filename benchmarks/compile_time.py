@@ -30,6 +30,10 @@ UNITS = [
                             '#include "framehex/pipeline/mesh_surface.hpp"\n'
                             "auto f(const framehex::IndexedTriangleMesh& m) {\n"
                             "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n"),
+    ("`mesh_surface` used, linked to `framehex::compiled`",
+     '#include "framehex/adapters/compiled.hpp"\n'
+     "auto f(const framehex::IndexedTriangleMesh& m) {\n"
+     "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n"),
     ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n"),
 ]
 

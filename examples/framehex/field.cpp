@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/field/compute_frame_field.hpp"
+#include "framehex/adapters/compiled.hpp"
 
 #include "framehex/io/mesh_builder.hpp"
 #include "framehex/io/mesh_writer.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/adapters/compiled.hpp"
 
-#include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/field/vertex_size_field.hpp"
 #include "framehex/io/surface_faults.hpp"
 #include "framehex/io/surface_reader.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/compiled.hpp"
 #include "framehex/io/mesh_builder.hpp"
 #include "framehex/mesh/listed_labels.hpp"
 

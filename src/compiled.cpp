@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: BSL-1.0
+#define FRAMEHEX_INSTANTIATE template
+#include "framehex/adapters/compiled.hpp"
