@@ -112,15 +112,17 @@ bool scale_axes(const LatticeGraph& graph, std::span<const double> sizes, std::v
   for (index_t tet = 0; tet < graph.tets().size(); ++tet)
     if (!graph.is_singular(tet)) detail::add_scale_equations(graph, tet, log_size, options.smoothness, equations);
 
-  detail::AxisSystem<1> system(graph, mass);
+  using System = detail::AxisSystem<1>;
+  System system(graph, mass);
   system.set_couplings([&](index_t e) { return equations.coupling[e]; });
-  detail::AxisSystem<1>::Values x(n, Vector3::Zero()), load(n);
+  System::Values x(n, System::Value::Zero()), load(n);
   const double stiffness = 20;  // of the bounds, against `conformance`
   constexpr int rounds = 3;
+  double first = 0;  // residual
   for (int round = 0; round < rounds; ++round) {
     bool outside = round == 0;
     for (index_t v = 0; v < n; ++v) {
-      const Vector3& s = x[system.row_of(v)];
+      const Vector3 s = System::vector(x[system.row_of(v)]);
       Vector3 diagonal = equations.diagonal[v].array() + options.conformance * mass[v];
       Vector3 right = equations.load[v];
       for (int a = 0; a < 3; ++a) {
@@ -130,15 +132,16 @@ bool scale_axes(const LatticeGraph& graph, std::span<const double> sizes, std::v
         right[a] += stiffness * mass[v] * (s[a] > high ? high : low);
       }
       system.set_diagonal(v, diagonal);
-      load[system.row_of(v)] = right;
+      load[system.row_of(v)] = System::lanes(right);
     }
     if (!outside) break;
     system.prepare();
     const auto proceed = [&] { return keep_going(options.observer, "lattice", 0.1 * round / rounds); };
-    if (!system.solve(x, load, 0, options.tolerance, options.max_iterations, proceed, executor)) return false;
+    if (!system.solve(x, load, 0, options.tolerance, options.max_iterations, proceed, executor, first)) return false;
+    first = std::max(first, system.start());
   }
   scale.resize(n);
-  for (index_t v = 0; v < n; ++v) scale[v] = x[system.row_of(v)].cwiseMax(low).cwiseMin(high);
+  for (index_t v = 0; v < n; ++v) scale[v] = System::vector(x[system.row_of(v)]).cwiseMax(low).cwiseMin(high);
   return true;
 }
 

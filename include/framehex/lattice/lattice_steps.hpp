@@ -50,7 +50,7 @@ inline std::vector<AxisMask> tangent_edges(const LatticeGraph& graph, const Surf
 
 struct StepProjectionOptions {
   double stiffness = 300;  ///< >= 0: weight of closure against change; reaches over about its root in edges
-  double tolerance = 1e-4;
+  double tolerance = 1e-3;
   int max_iterations = 1500;
   Observer observer = {};
 

@@ -5,6 +5,7 @@
 #include "framehex/lattice/detail/boundary_charts.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -18,14 +19,24 @@ struct PhaseTarget {
   double weight;  ///< beside those of the edges: length, host's unit
 };
 
+/// When the parts of the boundary on which a coordinate is constant are put on whole numbers.
+enum class ChartRounding {
+  first,  ///< before anything is solved for: phases are whole there
+  last    ///< when the jumps between neighbours are known: each part is moved as a whole
+};
+
 struct PhaseOptions {
-  double tolerance = 1e-7;  ///< of the first solution: deep inside its amplitudes are small, and their phases count
+  double reach = 128;      ///< > 0, sizes: distance over which phases are spread at first; then ever less, to half a size
+  double next_reach = 32;  ///< > 0, sizes: the same for solutions that start from the last one
+  double tolerance = 1e-3; ///< of the coordinates
   int max_iterations = 3000;
   int max_roundings = 6;  ///< solutions with fixed jumps, each followed by rounding the jumps anew
   Observer observer = {};
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
+    visit("PhaseOptions::reach", o.reach, least_positive, 1e6);
+    visit("PhaseOptions::next_reach", o.next_reach, least_positive, 1e6);
     visit("PhaseOptions::tolerance", o.tolerance, least_positive, 1);
     visit("PhaseOptions::max_iterations", o.max_iterations, 0, unbounded);
     visit("PhaseOptions::max_roundings", o.max_roundings, 1, unbounded);
@@ -44,17 +55,17 @@ struct PhaseReport {
 /// Finds the coordinates of a map to the integer lattice, each up to whole numbers: the phases of a periodic
 /// parameterisation.
 ///
-/// Neighbours' phases are to differ by the step along their edge. A complex number per vertex and axis makes that
-/// linear; diffusion with ever shorter steps and projection to unit length spreads the phases where amplitudes are
-/// small. Then the whole jumps between neighbours are rounded and the coordinates solved for as real numbers, until no
-/// jump changes.
+/// Neighbours' phases are to differ by the step along their edge. A complex number of unit length per vertex and axis
+/// makes that linear: diffusion over ever shorter distances, each followed by projection to unit length, brings the
+/// phases into step. Then the whole jumps between neighbours are rounded and the coordinates solved for as real numbers,
+/// until no jump changes.
 ///
-/// All this with the parts of the boundary, on each of which a coordinate is constant, free to stand between two whole
-/// numbers: an extent of n + 1/2 steps is then n + 1/2 everywhere. Only at the end, with the jumps kept, these charts
-/// are rounded, those nearest to a whole number first, and the map follows: one decision a chart, and no dislocation
-/// where one half of a chart would round up and the other down.
+/// An extent of n + 1/2 steps could be rounded up in one half of a body and down in the other. With
+/// `ChartRounding::last` the parts of the boundary on which a coordinate is constant stand free between two whole
+/// numbers; only at the end, with the jumps kept, these charts are rounded, those nearest to a whole number first, and
+/// the map follows: one decision a chart. The price is that the map is bent where it has already found its lines.
 ///
-/// Keeps what serves several solves over the same steps.
+/// Keeps what serves several solves over the same steps; each starts from the last one.
 template <Executor E = SerialExecutor>
 class PhaseSolver {
 public:
@@ -94,14 +105,15 @@ public:
   /// @param phases   receives coordinates per vertex and axis; whole, but for rounding, where `whole` says so.
   /// @param targets  further wishes.
   /// @par Complexity   O(edges * n^(1/6)) or so; results do not depend on the executor.
-  PhaseReport solve(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets = {}) {
+  PhaseReport solve(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets = {},
+                    ChartRounding charts = ChartRounding::last) {
     PhaseReport report;
     report.n_charts = charts_.charts.size();
-    report.n_pinned = pin_parts(targets);
+    report.n_pinned = pin_parts(targets, charts);
     set_diagonals(targets);
     scale_ = 0;
     if (!solve_waves(phases, targets) || !round_jumps(phases, targets, report) || !round_charts(phases, targets) ||
-        !solve_coordinates(phases, targets, 1e-7, 0.99))
+        !solve_coordinates(phases, targets, options_.tolerance, 0.99))
       report.status = Status::cancelled;
     else
       report.rms_residual = rms_residual(phases);
@@ -112,8 +124,9 @@ public:
 private:
   using Waves = detail::AxisSystem<2>;
   using Wave = Waves::Value;
+  using Reals = detail::AxisSystem<1>;
   static constexpr double turn = 2 * std::numbers::pi;
-  static constexpr double rough = 1e-3;  // tolerance of solutions that are only rounded
+  static constexpr double rough = 1e-2;  // tolerance of solutions that are only rounded
 
   static std::vector<double> masses(const LatticeGraph& graph, std::span<const double> sizes) {
     if (sizes.size() != graph.n_vertices()) throw invalid_option("there is not one size for each vertex");
@@ -152,11 +165,11 @@ private:
     return graph_.matching(e).to_first(coordinates[w]) - coordinates[v] - steps_[e];
   }
 
-  Wave wave_coupling(index_t e) const {
+  Waves::Entry wave_coupling(index_t e) const {
     const Vector3 angle = turn * gap(e, tree_);
-    Wave c;
-    c.col(0) = weight(e).array() * angle.array().cos();
-    c.col(1) = weight(e).array() * angle.array().sin();
+    Waves::Entry c;
+    c.col(0) = -weight(e).array() * angle.array().cos();
+    c.col(1) = -weight(e).array() * angle.array().sin();
     return c;
   }
 
@@ -171,7 +184,7 @@ private:
 
   /// Sets of coordinates that hang together may be shifted as a whole: of each the largest chart is put on 0, or one
   /// value where there is none. @return number of the latter.
-  std::size_t pin_parts(std::span<const PhaseTarget> targets) {
+  std::size_t pin_parts(std::span<const PhaseTarget> targets, ChartRounding charts) {
     const std::size_t n = graph_.n_vertices();
     detail::AxisSets parts(n);
     for (index_t e = 0; e < graph_.n_edges(); ++e) {
@@ -187,11 +200,13 @@ private:
     std::vector<std::uint8_t> held(3 * n, 0);
     for (const PhaseTarget& target : targets) held[parts.root(3 * target.vertex + target.axis).first] = 1;
     pinned_.assign(n, 0);
+    if (charts == ChartRounding::first)
+      for (index_t c = 0; c < charts_.charts.size(); ++c) fix(c);
     std::size_t n_pinned = 0;
     for (index_t i = 0; i < 3 * n; ++i) {
       if (parts.root(i).first != i) continue;
       if (largest[i] != no_index) {
-        fix(largest[i]);
+        if (charts == ChartRounding::last) fix(largest[i]);
       } else if (!held[i]) {
         pinned_[i / 3] |= static_cast<AxisMask>(1 << i % 3);
         ++n_pinned;
@@ -225,10 +240,10 @@ private:
     return [this] { return keep_going(options_.observer, "lattice", furthest_); };
   }
 
-  static void normalise(Waves::Values& x) {
-    for (Wave& z : x)
+  void normalise() {
+    for (Wave& z : x_)
       for (int a = 0; a < 3; ++a) {
-        const double amplitude = z.row(a).norm();
+        const float amplitude = z.row(a).matrix().norm();
         if (amplitude > 0)
           z.row(a) /= amplitude;
         else
@@ -236,57 +251,68 @@ private:
       }
   }
 
+  /// Spreads the phases over ever shorter distances from all values at once, each of unit length: amplitudes do not
+  /// count, wherever phases disagree.
   bool solve_waves(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets) {
     const std::size_t n = graph_.n_vertices();
-    Waves::Values x(n, Wave::Zero()), load(n, Wave::Zero()), source(n);
+    const bool first = x_.empty();
+    Waves::Values load(n, Wave::Zero()), source(n);
+    if (first) {
+      x_.assign(n, Wave::Zero());
+      for (Wave& z : x_) z.col(0) << 1, 1, 1, 0;
+    }
     for (index_t v = 0; v < n; ++v)
       for (int a = 0; a < 3; ++a)
-        if (pinned_[v] >> a & 1)
-          x[waves_.row_of(v)].row(a) << std::cos(turn * tree_[v][a]), -std::sin(turn * tree_[v][a]);
-    for (const PhaseTarget& t : targets) {
-      const double angle = turn * (t.phase - tree_[t.vertex][t.axis]);
-      load[waves_.row_of(t.vertex)].row(t.axis) += t.weight * Eigen::RowVector2d(std::cos(angle), std::sin(angle));
-    }
-    if (!waves_.solve(x, load, 0, options_.tolerance, options_.max_iterations, proceed(0.6), executor_)) return false;
-    normalise(x);
-    double done = 0.7;
-    for (const double time : {64., 32., 16., 8., 4., 2., 1., 1.}) {  // quarters of the size's square
-      const double factor = 4 / time;
-      for (std::size_t row = 0; row < n; ++row) source[row] = load[row] + factor * waves_.mass(row) * x[row];
-      if (!waves_.solve(x, source, factor, 1e-4, options_.max_iterations, proceed(done), executor_)) return false;
-      normalise(x);
-      done += 0.02;
+        if (pinned_[v] >> a & 1) x_[waves_.row_of(v)].row(a) = wave(-tree_[v][a]);
+    for (const PhaseTarget& t : targets)
+      load[waves_.row_of(t.vertex)].row(t.axis) +=
+          static_cast<float>(t.weight) * wave(t.phase - tree_[t.vertex][t.axis]);
+    constexpr double wave_tolerance = 3e-3;
+    double done = 0.6;
+    for (double reach = first ? options_.reach : options_.next_reach; reach >= 0.5; reach /= 4) {
+      const double factor = 1 / (reach * reach);
+      for (std::size_t row = 0; row < n; ++row)
+        source[row] = load[row] + static_cast<float>(factor) * waves_.mass(row) * x_[row];
+      if (!waves_.solve(x_, source, factor, wave_tolerance, options_.max_iterations, proceed(done), executor_))
+        return false;
+      normalise();
+      done += 0.04;
     }
     phases.resize(n);
     for (index_t v = 0; v < n; ++v)
       for (int a = 0; a < 3; ++a) {
-        const Wave& z = x[waves_.row_of(v)];
+        const Wave& z = x_[waves_.row_of(v)];
         const double u = tree_[v][a] + std::atan2(z(a, 1), z(a, 0)) / turn;
         phases[v][a] = pinned_[v] >> a & 1 ? std::round(u) : u;
       }
     return true;
   }
 
-  /// Solves for the coordinates with the jumps as they are.
+  static Eigen::Array<float, 1, 2> wave(double phase) {
+    return {static_cast<float>(std::cos(turn * phase)), static_cast<float>(std::sin(turn * phase))};
+  }
+
+  /// Solves for the coordinates with the jumps as they are, by a correction.
   bool solve_coordinates(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets, double tolerance,
                          double done) {
     const std::size_t n = graph_.n_vertices();
-    std::vector<Vector3> load(n, Vector3::Zero()), x(n);
+    std::vector<Vector3> pull(n, Vector3::Zero());
     for (index_t e = 0; e < jumps_.size(); ++e) {
       const auto [v, w] = graph_.edges()[e];
-      const Vector3 pull = weight(e).cwiseProduct(steps_[e] + jumps_[e]);
-      load[coordinates_.row_of(v)] -= pull;
-      load[coordinates_.row_of(w)] += graph_.matching(e).to_second(pull);
+      const Vector3 force = weight(e).cwiseProduct(gap(e, phases) - jumps_[e]);
+      pull[v] += force;
+      pull[w] -= graph_.matching(e).to_second(force);
     }
     for (const PhaseTarget& t : targets) {
-      const double whole = std::round(phases[t.vertex][t.axis] - t.phase);
-      load[coordinates_.row_of(t.vertex)][t.axis] += t.weight * (t.phase + whole);
+      const double miss = t.phase - phases[t.vertex][t.axis];
+      pull[t.vertex][t.axis] += t.weight * (miss - std::round(miss));
     }
-    for (index_t v = 0; v < n; ++v) x[coordinates_.row_of(v)] = phases[v];
+    Reals::Values x(n, Reals::Value::Zero()), load(n);
+    for (index_t v = 0; v < n; ++v) load[coordinates_.row_of(v)] = Reals::lanes(pull[v]);
     if (!coordinates_.solve(x, load, 0, tolerance, options_.max_iterations, proceed(done), executor_, scale_))
       return false;
-    if (scale_ == 0) scale_ = coordinates_.start();
-    for (index_t v = 0; v < n; ++v) phases[v] = x[coordinates_.row_of(v)];
+    scale_ = std::max(scale_, coordinates_.start());
+    for (index_t v = 0; v < n; ++v) phases[v] += Reals::vector(x[coordinates_.row_of(v)]);
     return true;
   }
 
@@ -337,7 +363,7 @@ private:
 
   /// Moves charts to whole numbers, those nearest to one first; the others answer before their turn comes.
   bool round_charts(std::vector<Vector3>& phases, std::span<const PhaseTarget> targets) {
-    constexpr double batch = 0.1;  // steps; beyond it one by one, or nearly
+    constexpr double batch = 0.25, margin = 0.05;  // steps: clear cases at once, then those that are much alike
     const std::size_t n_charts = charts_.charts.size();
     std::vector<double> excesses(n_charts);
     while (true) {
@@ -349,7 +375,7 @@ private:
       }
       if (least == 1) return true;
       for (index_t c = 0; c < n_charts; ++c) {
-        if (chart_is_fixed_[c] || std::abs(excesses[c]) > std::max(batch, least + 0.01)) continue;
+        if (chart_is_fixed_[c] || std::abs(excesses[c]) > std::max(batch, least + margin)) continue;
         fix(c);
         for (const auto& member : charts_.charts[c]) {
           double& u = phases[member.node / 3][member.node % 3];
@@ -369,13 +395,14 @@ private:
   std::vector<std::uint8_t> chart_is_fixed_;
   std::vector<AxisMask> pinned_;
   double furthest_ = 0;
-  double scale_ = 0;  // of the first solution's residual
+  double scale_ = 0;  // of the residuals: the largest at the start of a solution
   PhaseOptions options_;
   const E& executor_;
   std::vector<Vector3> tree_;
   std::vector<Vector3> stiffness_, jumps_;
   Waves waves_;
-  detail::AxisSystem<1> coordinates_;
+  Reals coordinates_;
+  Waves::Values x_;  // of the last solution
 };
 
 }  // namespace framehex

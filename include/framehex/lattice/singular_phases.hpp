@@ -134,7 +134,7 @@ private:
 
 struct SingularPhaseOptions {
   int max_trials = 3;               ///< solves with lines forced to whole coordinates
-  double defect_cost = 5;           ///< of a cube of the size through which dislocations pass, in sizes of half line
+  double defect_cost = 3.5;         ///< of a cube of the size through which dislocations pass, in sizes of half line
   double negative_line_cost = 1.7;  ///< of a half line of index -1/4 beside one of 1/4: its column has five sides
 
   template <class Options, class Visit>
@@ -150,6 +150,8 @@ struct SingularPhaseReport {
   double n_defects_after = 0;
   std::size_t n_lines = 0;        ///< of quarter turns
   std::size_t n_whole_lines = 0;  ///< with whole coordinates
+  double cost = 0;                ///< what was least: cells that are expected to be no hexahedra, in cubes of the size
+  ChartRounding charts = ChartRounding::last;  ///< the better one
 };
 
 namespace detail {
@@ -164,31 +166,25 @@ public:
       : graph_(graph), steps_(steps), lines_(lines), whole_(whole), sizes_(sizes), options_(options) {}
 
   PhaseReport run(PhaseSolver<E>& solver, std::vector<Vector3>& phases, SingularPhaseReport& report) {
-    PhaseReport best_report = solver.solve(phases);
-    if (best_report.status == Status::cancelled || lines_.lines().empty()) return best_report;
     const std::size_t n = lines_.lines().size();
-    Cost best = cost(phases);
     report.n_lines = n;
-    report.n_defects_before = report.n_defects_after = best.defects;
-    const std::vector<double> free_parity = best.parity;
-    std::vector<std::uint8_t> forced(n, 1);
-    std::vector<Vector3> trial;
-    for (int i = 0; i < options_.max_trials; ++i) {
-      const std::vector<PhaseTarget> targets = targets_of(forced);
-      if (targets.empty()) break;
-      const PhaseReport trial_report = solver.solve(trial, targets);
-      if (trial_report.status == Status::cancelled) return trial_report;
-      const Cost now = cost(trial);
-      if (now.total < best.total) {
-        best = now;
-        best_report = trial_report;
-        phases.swap(trial);
-        report.n_defects_after = best.defects;
+    report.cost = std::numeric_limits<double>::max();
+    std::vector<std::uint8_t> forced(n, 0);
+    std::vector<double> free_parity;
+    for (int i = 0; i <= options_.max_trials; ++i) {
+      const std::optional<Cost> now = attempt(solver, forced, ChartRounding::last, phases, report);
+      if (!now) return best_report_;
+      if (i == 0) {
+        report.n_defects_before = now->defects;
+        free_parity = now->parity;
+        forced.assign(n, 1);
+        if (targets_of(forced).empty()) break;
+      } else if (now->defects == 0 || !release(*now, free_parity, forced)) {
+        break;
       }
-      if (now.defects == 0 || !release(now, free_parity, forced)) break;
     }
-    for (const double parity : best.parity) report.n_whole_lines += parity > 0.3 ? 1 : 0;
-    return best_report;
+    if (best_report_.n_charts > 1) attempt(solver, best_forced_, ChartRounding::first, phases, report);
+    return best_report_;
   }
 
 private:
@@ -196,6 +192,30 @@ private:
     double total = 0, defects = 0;
     std::vector<double> parity, defects_near;  // per line
   };
+
+  /// Solves with lines forced to whole coordinates; keeps the solution when it is the cheapest so far. @return its cost;
+  /// nothing when cancelled.
+  std::optional<Cost> attempt(PhaseSolver<E>& solver, const std::vector<std::uint8_t>& forced, ChartRounding charts,
+                              std::vector<Vector3>& phases, SingularPhaseReport& report) {
+    std::vector<Vector3> trial;
+    const PhaseReport solved = solver.solve(trial, targets_of(forced), charts);
+    if (solved.status == Status::cancelled) {
+      best_report_ = solved;
+      return std::nullopt;
+    }
+    const Cost now = cost(trial);
+    if (now.total < report.cost) {
+      report.cost = now.total;
+      report.charts = charts;
+      report.n_defects_after = now.defects;
+      report.n_whole_lines = static_cast<std::size_t>(
+          std::count_if(now.parity.begin(), now.parity.end(), [](double parity) { return parity > 0.3; }));
+      best_report_ = solved;
+      best_forced_ = forced;
+      phases.swap(trial);
+    }
+    return now;
+  }
 
   std::vector<PhaseTarget> targets_of(std::span<const std::uint8_t> forced) const {
     std::vector<PhaseTarget> targets;
@@ -260,6 +280,8 @@ private:
   std::span<const AxisMask> whole_;
   std::span<const double> sizes_;
   const SingularPhaseOptions& options_;
+  PhaseReport best_report_;
+  std::vector<std::uint8_t> best_forced_;
   std::vector<index_t> nearest_line_;
 };
 
@@ -268,10 +290,11 @@ private:
 /// Solves for phases with those singular lines on whole coordinates for which that costs least.
 ///
 /// Tried are none, all, and then fewer and fewer: those go that bring more dislocations near them than the column of
-/// prisms of a line left half way. The cheapest by dislocated volume and length of half lines is kept.
+/// prisms of a line left half way. Then the cheapest by dislocated volume and length of half lines is tried with charts
+/// rounded first, and the cheaper kept.
 ///
 /// @param whole, sizes  as of `solver`.
-/// @par Complexity   that of `solver`, up to 1 + max_trials times.
+/// @par Complexity   that of `solver`, up to 2 + max_trials times.
 template <class E>
 PhaseReport solve_singular_phases(PhaseSolver<E>& solver, const LatticeGraph& graph, const std::vector<Vector3>& steps,
                                   const SingularLines& lines, std::span<const AxisMask> whole,
