@@ -3,7 +3,7 @@
 
 #include "framehex/geometry/proximity.hpp"
 #include "framehex/lattice/boundary_axes.hpp"
-#include "framehex/lattice/lattice_map.hpp"
+#include "framehex/lattice/lattice_regularity.hpp"
 #include "framehex/lattice/singular_points.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
@@ -86,11 +86,10 @@ public:
                     std::span<const double> sizes, std::span<const index_t> vertex_of)
       : map_(map),
         graph_(map.graph()),
+        regularity_(map, surface, boundary, sizes, vertex_of),
         surface_(surface),
         features_(surface.features),
-        boundary_(boundary),
         sizes_(sizes),
-        vertex_of_(vertex_of),
         inside_(*std::max_element(sizes.begin(), sizes.end())),
         on_patches_(*std::max_element(sizes.begin(), sizes.end())) {}
 
@@ -103,7 +102,7 @@ public:
   }
 
 private:
-  index_t in_mesh(index_t v) const { return vertex_of_.empty() ? v : vertex_of_[v]; }
+  index_t in_mesh(index_t v) const { return regularity_.in_mesh(v); }
   double size(index_t v) const { return sizes_[v]; }
 
   void find_in_tets() {
@@ -126,9 +125,8 @@ private:
         continue;
       }
       const auto& u = *corners;
-      const double h = (size(t[0]) + size(t[1]) + size(t[2]) + size(t[3])) / 4;
-      const double density = (u[1] - u[0]).cross(u[2] - u[0]).dot(u[3] - u[0]) * h * h * h / six_volumes;
-      const bool regular = density > 0.1 && density < 6;
+      const double h = regularity_.mean_size(t);
+      const bool regular = LatticeRegularity::is_regular(regularity_.density(t, u));
       // Flat in the lattice: all corners on the same sheet, beside which others are regular.
       const bool flat = on_surface[t[0]] && on_surface[t[1]] && on_surface[t[2]] && on_surface[t[3]];
       if (!regular && !flat) continue;
@@ -147,23 +145,12 @@ private:
   void find_on_triangles() {
     result_.complete_triangles.assign(surface_.triangles().size(), 0);
     for (index_t triangle = 0; triangle < surface_.triangles().size(); ++triangle) {
-      const auto& s = surface_.triangles()[triangle];
-      const std::array<index_t, 3> t{in_mesh(s[0]), in_mesh(s[1]), in_mesh(s[2])};
-      const std::uint8_t normal = boundary_.normal_axis[3 * triangle];
-      if (normal == BoundaryAxes::none || !graph_.is_regular(t)) continue;
-      const auto corners = map_.unwrapped(t);
-      if (!corners) continue;
-      const int x = (normal + 1) % 3, y = (normal + 2) % 3;
-      std::array<Eigen::Vector2d, 3> u;
-      for (std::size_t i = 0; i < 3; ++i) u[i] = {(*corners)[i][x], (*corners)[i][y]};
-      const Eigen::Vector2d first = u[1] - u[0], second = u[2] - u[0];
-      const double h = (size(t[0]) + size(t[1]) + size(t[2])) / 3;
-      const double area =
-          (surface_.points[s[1]] - surface_.points[s[0]]).cross(surface_.points[s[2]] - surface_.points[s[0]]).norm();
-      const double density = std::abs(first[0] * second[1] - first[1] * second[0]) * h * h / area;
-      if (!(density > 0.15 && density < 4)) continue;
+      const auto u = regularity_.on_triangle(triangle);
+      if (!u) continue;
       result_.complete_triangles[triangle] = 1;
-      for_each_whole_point<3>(u, [&](std::array<double, 3> weights) {
+      const auto& s = surface_.triangles()[triangle];
+      const double h = regularity_.mean_size(regularity_.triangle(triangle));
+      for_each_whole_point<3>(*u, [&](std::array<double, 3> weights) {
         Vector3 p = Vector3::Zero();
         double sum = 0;
         for (double& w : weights) sum += w = std::max(w, 0.0);
@@ -236,11 +223,10 @@ private:
 
   const LatticeMap& map_;
   const LatticeGraph& graph_;
+  LatticeRegularity regularity_;
   const Surface& surface_;
   const FeatureGraph& features_;
-  const BoundaryAxes& boundary_;
   std::span<const double> sizes_;
-  std::span<const index_t> vertex_of_;
   ThinnedPoints inside_, on_patches_;
   LatticePoints result_;
 };

@@ -74,8 +74,8 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   std::vector<Vector3> phases;
   PhaseSolver<E> solver(graph, steps, boundary.whole, tangent, sizes, options.phases, executor);
   const SingularLines lines(graph, scale, sizes);
-  r.phases =
-      solve_singular_phases(solver, graph, steps, lines, boundary.whole, sizes, phases, r.singular, options.singular);
+  r.phases = solve_singular_phases(solver, graph, steps, lines, surface, boundary, sizes, phases, r.singular,
+                                   options.singular, vertex_of);
   if (r.phases.status == Status::cancelled) return {};
   r.status = Status::complete;
   const SingularPoints singular = find_singular_points(graph, lines, phases, surface, sizes);

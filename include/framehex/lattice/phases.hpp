@@ -26,9 +26,9 @@ enum class ChartRounding {
 };
 
 struct PhaseOptions {
-  double reach = 128;      ///< > 0, sizes: distance over which phases are spread at first; then ever less, to half a size
-  double next_reach = 32;  ///< > 0, sizes: the same for solutions that start from the last one
-  double tolerance = 1e-3; ///< of the coordinates
+  double reach = 128;  ///< > 0, sizes: distance over which phases are spread at first; then ever less, to half a size
+  double next_reach = 32;   ///< > 0, sizes: the same for solutions that start from the last one
+  double tolerance = 1e-3;  ///< of the coordinates
   int max_iterations = 3000;
   int max_roundings = 6;  ///< solutions with fixed jumps, each followed by rounding the jumps anew
   Observer observer = {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/lattice/lattice_map.hpp"
+#include "framehex/lattice/lattice_regularity.hpp"
 #include "framehex/lattice/phases.hpp"
 
 namespace framehex {
@@ -134,7 +134,7 @@ private:
 
 struct SingularPhaseOptions {
   int max_trials = 3;               ///< solves with lines forced to whole coordinates
-  double defect_cost = 3.5;         ///< of a cube of the size through which dislocations pass, in sizes of half line
+  double defect_cost = 5;           ///< of a cube of the size through which dislocations pass, in sizes of half line
   double negative_line_cost = 1.7;  ///< of a half line of index -1/4 beside one of 1/4: its column has five sides
 
   template <class Options, class Visit>
@@ -161,9 +161,16 @@ template <class E>
 class SingularPhaseChoice {
 public:
   SingularPhaseChoice(const LatticeGraph& graph, const std::vector<Vector3>& steps, const SingularLines& lines,
-                      std::span<const AxisMask> whole, std::span<const double> sizes,
-                      const SingularPhaseOptions& options)
-      : graph_(graph), steps_(steps), lines_(lines), whole_(whole), sizes_(sizes), options_(options) {}
+                      const Surface& surface, const BoundaryAxes& boundary, std::span<const double> sizes,
+                      std::span<const index_t> vertex_of, const SingularPhaseOptions& options)
+      : graph_(graph),
+        steps_(steps),
+        lines_(lines),
+        surface_(surface),
+        boundary_(boundary),
+        sizes_(sizes),
+        vertex_of_(vertex_of),
+        options_(options) {}
 
   PhaseReport run(PhaseSolver<E>& solver, std::vector<Vector3>& phases, SingularPhaseReport& report) {
     const std::size_t n = lines_.lines().size();
@@ -220,7 +227,7 @@ private:
   std::vector<PhaseTarget> targets_of(std::span<const std::uint8_t> forced) const {
     std::vector<PhaseTarget> targets;
     for (std::size_t l = 0; l < forced.size(); ++l)
-      if (forced[l]) lines_.add_targets(lines_.lines()[l], whole_, targets);
+      if (forced[l]) lines_.add_targets(lines_.lines()[l], boundary_.whole, targets);
     return targets;
   }
 
@@ -240,7 +247,8 @@ private:
       if (nearest_line_.empty()) find_nearest_lines();
       if (nearest_line_[t[0]] != no_index) result.defects_near[nearest_line_[t[0]]] += volume;
     }
-    result.total = options_.defect_cost * result.defects;
+    const LatticeRegularity regularity(map, surface_, boundary_, sizes_, vertex_of_);
+    result.total = options_.defect_cost * result.defects + regularity.irregular_area();
     for (const SingularLines::Line& line : lines_.lines()) {
       const double parity = lines_.parity(line, phases);
       result.parity.push_back(parity);
@@ -277,8 +285,10 @@ private:
   const LatticeGraph& graph_;
   const std::vector<Vector3>& steps_;
   const SingularLines& lines_;
-  std::span<const AxisMask> whole_;
+  const Surface& surface_;
+  const BoundaryAxes& boundary_;
   std::span<const double> sizes_;
+  std::span<const index_t> vertex_of_;
   const SingularPhaseOptions& options_;
   PhaseReport best_report_;
   std::vector<std::uint8_t> best_forced_;
@@ -290,18 +300,21 @@ private:
 /// Solves for phases with those singular lines on whole coordinates for which that costs least.
 ///
 /// Tried are none, all, and then fewer and fewer: those go that bring more dislocations near them than the column of
-/// prisms of a line left half way. Then the cheapest by dislocated volume and length of half lines is tried with charts
-/// rounded first, and the cheaper kept.
+/// prisms of a line left half way. Then the cheapest is tried with charts rounded first, and the cheaper kept. The cost
+/// is the number of cells that are likely to be no hexahedra: dislocated volume, length of half lines, and the area of
+/// the boundary where the map is not regular.
 ///
-/// @param whole, sizes  as of `solver`.
+/// @param surface, boundary, sizes, vertex_of  as of the other steps.
 /// @par Complexity   that of `solver`, up to 2 + max_trials times.
 template <class E>
 PhaseReport solve_singular_phases(PhaseSolver<E>& solver, const LatticeGraph& graph, const std::vector<Vector3>& steps,
-                                  const SingularLines& lines, std::span<const AxisMask> whole,
+                                  const SingularLines& lines, const Surface& surface, const BoundaryAxes& boundary,
                                   std::span<const double> sizes, std::vector<Vector3>& phases,
-                                  SingularPhaseReport& report, const SingularPhaseOptions& options = {}) {
+                                  SingularPhaseReport& report, const SingularPhaseOptions& options = {},
+                                  std::span<const index_t> vertex_of = {}) {
   check_options(options);
-  return detail::SingularPhaseChoice<E>(graph, steps, lines, whole, sizes, options).run(solver, phases, report);
+  return detail::SingularPhaseChoice<E>(graph, steps, lines, surface, boundary, sizes, vertex_of, options)
+      .run(solver, phases, report);
 }
 
 }  // namespace framehex

@@ -269,8 +269,7 @@ private:
   void turn(float share, const E& executor) {
     for_blocks(executor, residual_.size(), block_size, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row) {
-        const Value step =
-            scaled(levels_[0].correction[row >> 3], free_[row]) + scaled(residual_[row], inverse_[row]);
+        const Value step = scaled(levels_[0].correction[row >> 3], free_[row]) + scaled(residual_[row], inverse_[row]);
         direction_[row] = share == 0 ? step : Value(step + share * direction_[row]);
       }
     });
