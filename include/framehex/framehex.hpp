@@ -67,6 +67,7 @@
 #include "framehex/lattice/lattice_graph.hpp"
 #include "framehex/lattice/lattice_map.hpp"
 #include "framehex/lattice/lattice_points.hpp"
+#include "framehex/lattice/lattice_regularity.hpp"
 #include "framehex/lattice/lattice_steps.hpp"
 #include "framehex/lattice/periodic_parameterization.hpp"
 #include "framehex/lattice/phases.hpp"
