@@ -11,5 +11,6 @@ configure_package_config_file(cmake/framehexConfig.cmake.in ${PROJECT_BINARY_DIR
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/framehexConfigVersion.cmake COMPATIBILITY SameMinorVersion
                                  ARCH_INDEPENDENT)
 install(FILES ${PROJECT_BINARY_DIR}/framehexConfig.cmake ${PROJECT_BINARY_DIR}/framehexConfigVersion.cmake
+              cmake/framehexAdapters.cmake
         DESTINATION ${framehex_package_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

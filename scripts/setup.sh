@@ -14,6 +14,7 @@ packages=(
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
   openfoam                                          # its checkMesh, another
   chromium                                          # the page that shows a mesh, tested without a display
+  libtet1.5-dev libopenmesh-dev libtbb-dev          # hosts that adapters are tested with
   locales                                           # a decimal comma for the tests
 )
 

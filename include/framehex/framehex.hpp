@@ -32,6 +32,7 @@
 #include "framehex/mesh/listed_labels.hpp"
 #include "framehex/mesh/mixed_faces.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/mesh/mixed_output.hpp"
 #include "framehex/mesh/quad_mesh.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/surface/boundary_slider.hpp"
@@ -109,3 +110,4 @@
 #include "framehex/quads/quadrangulate.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/pipeline/recombine.hpp"
+#include "framehex/pipeline/recombine_into.hpp"

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Builds and tests the adapters whose libraries are heavy to install, and builds the examples of all hosts.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+scripts/setup.sh libvtk9-dev libcgal-dev libgmsh-dev libnglib-dev
+cmake --preset hosts
+cmake --build --preset hosts
+ctest --preset hosts

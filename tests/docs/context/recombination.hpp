@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: BSL-1.0
+extern const framehex::IndexedTetMesh mesh;
+void use(const auto&...) {}

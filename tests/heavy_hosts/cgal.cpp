@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/cgal.hpp"
+#include "framehex/mesh/enclosed_volume.hpp"
+#include "support/host_reference.hpp"
+
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/make_mesh_3.h>
+
+using namespace framehex;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+namespace {
+
+std::vector<Kernel::Point_3> lattice_points() {
+  std::vector<Kernel::Point_3> points;
+  for (int i = 0; i < 64; ++i)
+    points.emplace_back(i % 4 + 0.01 * (i * i % 7), i / 4 % 4 + 0.01 * (i * i % 11), i / 16 + 0.01 * (i * i % 13));
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("a Delaunay triangulation of CGAL is a mesh: the same candidates as from its arrays") {
+  const auto points = lattice_points();
+  const CGAL::Delaunay_triangulation_3<Kernel> delaunay(points.begin(), points.end());
+  const CgalTriangulation view(delaunay);
+  REQUIRE(n_vertices(view) == points.size());
+  CHECK_NOTHROW(validate(view));
+  const IndexedTetMesh arrays{positions(view), tetrahedra(view)};
+  CHECK(arrays.tets.size() == delaunay.number_of_finite_cells());
+  const auto candidates = find_potential_hexahedra(view);
+  CHECK(candidates.vertices == find_potential_hexahedra(arrays).vertices);
+  CHECK(candidates.size() > 0);
+  const Recombination result = recombine(view);
+  CHECK(verify::is_conforming(result.mesh));
+
+  SurfaceMesh boundary;
+  const auto vertex_of = add_boundary(result.mesh, boundary);
+  CHECK(boundary.is_valid());
+  CHECK(CGAL::is_closed(boundary));
+  CHECK(vertex_of.size() == boundary.number_of_vertices());
+}
+
+TEST_CASE("a complex of CGAL's mesher, with its subdomains and patches") {
+  using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
+  using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
+  using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
+  using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
+  // A ball of radius 1 within one of radius 2.
+  const auto label = [](const Kernel::Point_3& p) {
+    const double r2 = CGAL::squared_distance(p, Kernel::Point_3(CGAL::ORIGIN));
+    return r2 < 1 ? 2 : r2 < 4 ? 1 : 0;
+  };
+  const Domain domain(label, Kernel::Sphere_3(CGAL::ORIGIN, 9), 1e-4);
+  namespace par = CGAL::parameters;
+  const Criteria criteria(par::facet_angle = 25, par::facet_size = 0.6, par::facet_distance = 0.05,
+                          par::cell_radius_edge_ratio = 2, par::cell_size = 0.6);
+  const Complex complex = CGAL::make_mesh_3<Complex>(domain, criteria);
+  const CgalComplex view(complex);
+  REQUIRE(view.cells.size() > 100);
+  CHECK_NOTHROW(validate(view));
+  CHECK(std::set<index_t>(view.regions.begin(), view.regions.end()) == std::set<index_t>{1, 2});
+  std::set<index_t> patches;
+  for (const LabelledFace& face : view.faces) {
+    patches.insert(face.label);
+    const Vector3 p = positions(view)[face.vertices[0]];
+    CHECK(p.norm() == Approx(face.label == 0 ? 2 : 1).margin(0.1));  // (0, 1) comes before (1, 2)
+  }
+  CHECK(patches == std::set<index_t>{0, 1});
+  const Recombination result = recombine(view, {.regions = view.regions, .faces = view.faces});
+  CHECK(verify::is_conforming(result.mesh));
+  CHECK(verify::is_valid(result.mesh));
+}
+
+TEST_CASE("Surface_mesh is a surface, without gaps in its numbers") {
+  const auto& reference = test::host_reference().mesh;
+  const IndexedTriangleMesh surface = extract_boundary(reference, make_adjacency(reference)).surface;
+  SurfaceMesh mesh;
+  std::vector<SurfaceMesh::Vertex_index> v;
+  for (const Vector3& p : surface.points) v.push_back(mesh.add_vertex({p.x(), p.y(), p.z()}));
+  for (const auto& t : surface.triangles) mesh.add_face(v[t[0]], v[t[1]], v[t[2]]);
+  CHECK(positions(mesh) == surface.points);
+  CHECK_NOTHROW(validate_closed(mesh));
+  CHECK(enclosed_volume(mesh) == Approx(enclosed_volume(surface)));
+  const auto isolated = mesh.add_vertex({9, 9, 9});
+  mesh.add_vertex({9, 9, 8});
+  mesh.remove_vertex(isolated);
+  CHECK_THROWS_AS(validate_closed(mesh), invalid_connectivity);
+  mesh.collect_garbage();
+  CHECK_NOTHROW(validate_closed(mesh));
+}

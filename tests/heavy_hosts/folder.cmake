@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: BSL-1.0
+# Adapters over real libraries that are heavy to install; each has a program of its own, since Gmsh contains Netgen.
+# With the option FRAMEHEX_BUILD_HOSTS, as scripts/hosts.sh sets it.
+if(NOT FRAMEHEX_BUILD_HOSTS)
+  return()
+endif()
+add_custom_target(heavy_hosts)
+foreach(host IN ITEMS vtk cgal gmsh netgen)
+  framehex_find_adapter(${host})
+  set(host_target test_host_${host})
+  add_executable(${host_target} ${CMAKE_CURRENT_LIST_DIR}/${host}.cpp ${CMAKE_CURRENT_LIST_DIR}/../hosts/reference.cpp)
+  target_include_directories(${host_target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(${host_target} PRIVATE framehex_development framehex::${host} Catch2::Catch2WithMain)
+  target_compile_options(${host_target} PRIVATE -O0)
+  add_dependencies(heavy_hosts ${host_target})
+  catch_discover_tests(${host_target} TEST_PREFIX "heavy_hosts: " PROPERTIES TIMEOUT 900)
+endforeach()
+find_package(VTK 9 REQUIRED COMPONENTS FiltersCore FiltersSources FiltersVerdict IOXML)
+target_link_libraries(test_host_vtk PRIVATE VTK::FiltersCore VTK::FiltersSources VTK::FiltersVerdict VTK::IOXML)
