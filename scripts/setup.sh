@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build
+  g++ cmake ninja-build pkg-config
   libeigen3-dev libboost-dev                        # the library
   libcli11-dev nlohmann-json3-dev                   # the program: command line, reports
   libpugixml-dev zlib1g-dev liblzma-dev             # readers

@@ -15,3 +15,22 @@ function(add_consumer name source)
 endfunction()
 add_consumer(find_package ${CMAKE_CURRENT_LIST_DIR}/find_package -Dframehex_ROOT=${prefix})
 add_consumer(add_subdirectory ${CMAKE_CURRENT_LIST_DIR}/add_subdirectory -DFRAMEHEX_SOURCE=${PROJECT_SOURCE_DIR})
+
+# The library as one header compiles, and so do the recipes of package managers, as far as that can be seen without them.
+set(single ${CMAKE_CURRENT_BINARY_DIR}/consumers/single/framehex)
+file(MAKE_DIRECTORY ${single})
+get_target_property(eigen_directories Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+list(TRANSFORM eigen_directories PREPEND "-isystem;")
+add_test(NAME "consumers: write single header"
+         COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/amalgamate.py ${single}/framehex.hpp)
+set_tests_properties("consumers: write single header" PROPERTIES FIXTURES_SETUP single_header)
+add_test(NAME "consumers: single header" COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only -I${single}/..
+                                                 ${eigen_directories} ${CMAKE_CURRENT_LIST_DIR}/consumer.cpp)
+set_tests_properties("consumers: single header" PROPERTIES FIXTURES_REQUIRED single_header TIMEOUT 900)
+add_test(NAME "consumers: recipes" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_recipes.py
+                                           ${PROJECT_SOURCE_DIR})
+add_test(NAME "consumers: Debian package of the headers"
+         COMMAND ${CMAKE_CPACK_COMMAND} -G DEB -D CPACK_COMPONENTS_ALL=headers -B
+                 ${CMAKE_CURRENT_BINARY_DIR}/consumers/deb WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
+set_tests_properties("consumers: Debian package of the headers" PROPERTIES PASS_REGULAR_EXPRESSION
+                                                                           "libframehex-dev_.*_all.deb generated")
