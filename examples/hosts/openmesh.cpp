@@ -29,7 +29,8 @@ int main() {
   const TriMesh surface = make_cube();
   const auto result = framehex::mesh_surface(surface, framehex::ConstantSize{0.2}, framehex::TetgenProcess{});
   PolyMesh boundary;
-  framehex::add_boundary(result.mesh, boundary);
-  std::printf("%zu cells inside; the boundary has %zu faces\n", result.mesh.n_cells(), boundary.n_faces());
-  framehex::write_vtu("openmesh.vtu", result.mesh);
+  framehex::add_boundary(result.recombination.mesh, boundary);
+  std::printf("%zu cells inside; the boundary has %zu faces\n", result.recombination.mesh.n_cells(),
+              boundary.n_faces());
+  framehex::write_vtu("openmesh.vtu", result.recombination.mesh);
 }

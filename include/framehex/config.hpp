@@ -24,6 +24,7 @@ using offset_t = std::uint64_t;
 /// "None", where an index is expected.
 inline constexpr index_t no_index = std::numeric_limits<index_t>::max();
 
+/// A point or a vector in space.
 using Vector3 = Eigen::Vector3d;
 
 /// A frame is a unit quaternion modulo the 24 rotations of the cube: its axes are the columns of its matrix.

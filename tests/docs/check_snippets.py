@@ -60,7 +60,7 @@ def snippets_of(root, page, errors):
         includes += re.findall(r"^#include.*$", code, re.M)
         code = re.sub(r"^#include.*$", "", code, flags=re.M)
         at = f'#line {line} "{page}"\n'
-        parts.append(at + code if DEFINITION.search(code) else f"template <int>\nvoid snippet_{n}() {{\n{at}{code}}}\n")
+        parts.append(at + code if DEFINITION.search(code) else f"template <int>\nvoid snippet_{page_name(root, page)}_{n}() {{\n{at}{code}}}\n")
     if not parts:
         return includes, ""
     context = root / "tests" / "docs" / "context" / f"{page_name(root, page)}.hpp"

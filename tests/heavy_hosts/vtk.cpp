@@ -46,11 +46,12 @@ MixedMesh from_grid(vtkUnstructuredGrid& grid) {
   for (vtkIdType c = 0; c < grid.GetNumberOfCells(); ++c) {
     const int type = grid.GetCellType(c);
     const auto kind = std::find_if(all_cell_kinds.begin(), all_cell_kinds.end(),
-                                   [&](CellKind k) { return vtk::cell_type(k) == type; });
+                                   [&](CellKind k) { return framehex::vtk::cell_type(k) == type; });
     REQUIRE(kind != all_cell_kinds.end());
     std::vector<index_t> corners;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n_corners(*kind)); ++i)
-      corners.push_back(static_cast<index_t>(grid.GetCell(c)->GetPointId(static_cast<int>(vtk::corner(*kind, i)))));
+      corners.push_back(
+          static_cast<index_t>(grid.GetCell(c)->GetPointId(static_cast<int>(framehex::vtk::corner(*kind, i)))));
     mesh.add(*kind, corners);
     mesh.regions.push_back(static_cast<index_t>(regions->GetComponent(c, 0)));
   }

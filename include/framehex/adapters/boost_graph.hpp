@@ -101,40 +101,49 @@ namespace detail {
 using ConflictTraits = boost::graph_traits<IncompatibilityGraph>;
 }
 
+/// Boost.Graph, VertexListGraph: all candidates.
 inline std::pair<detail::ConflictTraits::vertex_iterator, detail::ConflictTraits::vertex_iterator> vertices(
     const IncompatibilityGraph& graph) {
   using Iterator = detail::ConflictTraits::vertex_iterator;
   return {Iterator(0), Iterator(static_cast<index_t>(graph.size()))};
 }
+/// Boost.Graph, VertexListGraph.
 inline std::size_t num_vertices(const IncompatibilityGraph& graph) {
   return graph.size();
 }
 
+/// Boost.Graph, EdgeListGraph: each conflict once.
 inline std::pair<detail::ConflictTraits::edge_iterator, detail::ConflictTraits::edge_iterator> edges(
     const IncompatibilityGraph& graph) {
   using Iterator = detail::ConflictTraits::edge_iterator;
   return {Iterator(graph, 0), Iterator(graph, graph.size())};
 }
+/// Boost.Graph, EdgeListGraph.
 inline std::size_t num_edges(const IncompatibilityGraph& graph) {
   return graph.n_conflicts();
 }
 
+/// Boost.Graph, AdjacencyGraph.
 inline std::pair<const index_t*, const index_t*> adjacent_vertices(index_t v, const IncompatibilityGraph& graph) {
   const auto row = graph.neighbours(v);
   return {row.data(), row.data() + row.size()};
 }
+/// Boost.Graph, IncidenceGraph.
 inline std::pair<detail::ConflictTraits::out_edge_iterator, detail::ConflictTraits::out_edge_iterator> out_edges(
     index_t v, const IncompatibilityGraph& graph) {
   using Iterator = detail::ConflictTraits::out_edge_iterator;
   const auto [first, last] = adjacent_vertices(v, graph);
   return {Iterator(first, {v}), Iterator(last, {v})};
 }
+/// Boost.Graph, IncidenceGraph.
 inline std::size_t out_degree(index_t v, const IncompatibilityGraph& graph) {
   return graph.degree(v);
 }
+/// Boost.Graph, IncidenceGraph.
 inline index_t source(const Conflict& conflict, const IncompatibilityGraph&) {
   return conflict.source;
 }
+/// Boost.Graph, IncidenceGraph.
 inline index_t target(const Conflict& conflict, const IncompatibilityGraph&) {
   return conflict.target;
 }
@@ -144,9 +153,11 @@ inline std::pair<Conflict, bool> edge(index_t u, index_t v, const Incompatibilit
   return {{u, v}, graph.adjacent(u, v)};
 }
 
+/// Boost.Graph, PropertyGraph: `vertex_index`.
 inline boost::typed_identity_property_map<index_t> get(boost::vertex_index_t, const IncompatibilityGraph&) {
   return {};
 }
+/// Boost.Graph, PropertyGraph: the number of one candidate.
 inline index_t get(boost::vertex_index_t, const IncompatibilityGraph&, index_t v) {
   return v;
 }
@@ -160,6 +171,7 @@ struct CandidateWeightMap {
   const IncompatibilityGraph* graph = nullptr;
   friend double get(const CandidateWeightMap& map, index_t v) { return map.graph->weight(v); }
 };
+/// Weights of the candidates as a readable property map.
 inline CandidateWeightMap weight_map(const IncompatibilityGraph& graph) {
   return {&graph};
 }

@@ -57,6 +57,7 @@ template <class V, class T>
 struct EigenTets : detail::EigenView<V, T, 4> {
   using detail::EigenView<V, T, 4>::EigenView;
 };
+/// Deduces the matrices' types.
 template <class V, class T>
 EigenTets(const V&, const T&) -> EigenTets<V, T>;
 
@@ -65,6 +66,7 @@ template <class V, class F>
 struct EigenTriangles : detail::EigenView<V, F, 3> {
   using detail::EigenView<V, F, 3>::EigenView;
 };
+/// Deduces the matrices' types.
 template <class V, class F>
 EigenTriangles(const V&, const F&) -> EigenTriangles<V, F>;
 

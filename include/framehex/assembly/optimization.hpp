@@ -11,6 +11,7 @@ namespace framehex {
 /// Whether optimisation may change the connectivity of tetrahedra and pyramids.
 enum class Reconnection { none, allowed };
 
+/// Options of `optimize`.
 struct OptimizationOptions {
   Reconnection reconnection = Reconnection::none;
   /// Scaled Jacobian below which a hexahedron, or another cell, is worked on, 1e-3 to 1.

@@ -30,6 +30,7 @@ struct BoundaryFrames {
   std::vector<Vector3> axes;                 ///< unit: the outward normal, or the curve's tangent; zero where fixed
 };
 
+/// Options of `make_boundary_frames`.
 struct BoundaryFrameOptions {
   /// A vertex of a feature curve is fixed when the normals on its two sides can be met within this angle (rad, 0 to pi);
   /// otherwise only the curve's tangent is kept.

@@ -23,6 +23,7 @@ enum class SurfaceCross {
   kept,  ///< frames on the surface are those of its cross field
 };
 
+/// Options of `compute_frame_field` over a surface with its frames.
 struct FieldOptions {
   FieldMethod method = FieldMethod::best;
   /// Surface vertex -> vertex of the tetrahedral mesh; empty: the surface's vertices are the mesh's first, in order.
@@ -119,6 +120,7 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, TetAdjacency adjacency, c
   if (report) *report = std::move(course);
   return field;
 }
+/// The same, with the adjacency of the mesh made on the way.
 template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const Surface& surface,
                                      std::span<const Quaternion> triangle_frames, const FieldOptions& options = {},

@@ -13,6 +13,7 @@ enum class DiffusionStart {
   current,   ///< the frames as they are
 };
 
+/// Options of `diffuse_frames`.
 struct DiffusionOptions {
   DiffusionStart start = DiffusionStart::harmonic;
   int max_steps = 20;  ///< >= 0; of diffusion and projection after the start; 0: the start only
@@ -31,6 +32,7 @@ struct DiffusionOptions {
   }
 };
 
+/// How `diffuse_frames` went.
 struct DiffusionReport {
   int steps = 0;                     ///< of diffusion and projection
   double last_change = 0;            ///< root mean square of the last, rad

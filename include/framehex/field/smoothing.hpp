@@ -15,6 +15,7 @@ enum class Diffusivity {
   variable,  ///< little where the neighbour itself is in a rough place: smooth places spread, rough ones do not
 };
 
+/// Options of `smooth_frames`.
 struct SmoothingOptions {
   Diffusivity diffusivity = Diffusivity::variable;
   double local_tolerance = 5e-3;   ///< > 0; a vertex is settled when its rotation is less (rad)
@@ -46,6 +47,7 @@ struct SweepReport {
   double skipped = 0;           ///< fraction of the free vertices that were skipped
 };
 
+/// How `smooth_frames` went.
 struct SmoothingReport {
   std::vector<SweepReport> sweeps;
   bool converged = false;            ///< the global tolerance was met

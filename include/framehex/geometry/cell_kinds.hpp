@@ -25,6 +25,7 @@
 ///
 namespace framehex {
 
+/// The four kinds of cells, in ascending number of corners.
 enum class CellKind : std::uint8_t { tetrahedron, pyramid, prism, hexahedron };
 
 inline constexpr std::array<CellKind, 4> all_cell_kinds{CellKind::tetrahedron, CellKind::pyramid, CellKind::prism,
@@ -67,6 +68,7 @@ inline constexpr std::array<LocalCorner, 6> prism_corners{
 inline constexpr std::array<LocalCorner, 8> hexahedron_corners{
     {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}}};
 
+/// The ends of an edge, by local corners.
 using LocalEdge = std::array<std::int8_t, 2>;
 inline constexpr std::array<LocalEdge, 6> tetrahedron_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 inline constexpr std::array<LocalEdge, 8> pyramid_edges{
@@ -88,6 +90,7 @@ constexpr std::span<const LocalFace> faces_of(CellKind kind) {
   }
 }
 
+/// Corners of a cell with the ends of three edges each, those of a pyramid without its apex.
 constexpr std::span<const LocalCorner> corners_of(CellKind kind) {
   switch (kind) {
     case CellKind::tetrahedron: return cell_tables::tetrahedron_corners;
@@ -97,6 +100,7 @@ constexpr std::span<const LocalCorner> corners_of(CellKind kind) {
   }
 }
 
+/// Edges of a cell, by local corners.
 constexpr std::span<const cell_tables::LocalEdge> edges_of(CellKind kind) {
   switch (kind) {
     case CellKind::tetrahedron: return cell_tables::tetrahedron_edges;

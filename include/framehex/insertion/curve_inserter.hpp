@@ -16,6 +16,7 @@
 
 namespace framehex {
 
+/// Options of `insert_curve_points`.
 struct CurveOptions {
   index_t closed_multiple =
       2;  ///< >= 1; intervals of a closed curve without a corner: a multiple of this, at least four

@@ -9,6 +9,7 @@
 
 namespace framehex {
 
+/// Options of `insert_surface_points`.
 struct SurfaceOptions {
   std::optional<double> rejection = std::nullopt;  ///< 0.05 to 0.95: least distance in the infinity norm of the local
                                                    ///< cross, in sizes; empty: the order's own
@@ -36,6 +37,7 @@ struct SurfaceOptions {
   }
 };
 
+/// Counts of `insert_surface_points`.
 struct SurfaceStatistics {
   std::size_t proposals = 0;       ///< positions computed
   std::size_t linked = 0;          ///< were a sample already

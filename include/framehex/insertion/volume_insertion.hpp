@@ -45,11 +45,13 @@ struct BoundarySeed {
   Vector3 normal;  ///< outward, unit; zero at corners and feature curves, where there are several
 };
 
+/// How the frame of a new point follows from those of its parents.
 enum class ParentAveraging {
   none,    ///< a point stays where its first parent put it
   parents  ///< it moves to the mean of the positions that all points present predict for it
 };
 
+/// Options of `insert_volume_points`.
 struct VolumeOptions {
   std::optional<double> rejection =
       std::nullopt;  ///< 0.05 to 0.95: least distance in the infinity norm, in sizes; empty: the order's own
@@ -81,6 +83,7 @@ struct VolumeOptions {
   }
 };
 
+/// Counts of `insert_volume_points`.
 struct VolumeStatistics {
   std::size_t proposals = 0;       ///< positions computed
   std::size_t linked = 0;          ///< were a point already

@@ -10,6 +10,7 @@
 /// VTK's numbers for the cells, and its order of their corners.
 namespace framehex::vtk {
 
+/// VTK's numbers of the cells.
 enum CellType : std::uint8_t {
   vertex = 1,
   poly_vertex = 2,
@@ -28,6 +29,7 @@ enum CellType : std::uint8_t {
 /// What the names of field data that name labels begin with, by dimension.
 inline constexpr std::array<std::string_view, 4> group_prefixes{"points:", "curves:", "patches:", "regions:"};
 
+/// VTK's number of a kind.
 constexpr CellType cell_type(CellKind kind) {
   constexpr std::array<CellType, 4> types{tetrahedron, pyramid, wedge, hexahedron};
   return types[static_cast<std::size_t>(kind)];

@@ -7,6 +7,7 @@
 
 namespace framehex {
 
+/// Options of `scale_axes`.
 struct AxisScaleOptions {
   double longest = 1.5;       ///< >= 1: longest step along an axis, in sizes
   double shortest = 0.7;      ///< 0 to 1: shortest, in sizes

@@ -48,6 +48,7 @@ inline std::vector<AxisMask> tangent_edges(const LatticeGraph& graph, const Surf
   return result;
 }
 
+/// Options of `project_steps`.
 struct StepProjectionOptions {
   double stiffness = 300;  ///< >= 0: weight of closure against change; reaches over about its root in edges
   double tolerance = 1e-3;
@@ -62,6 +63,7 @@ struct StepProjectionOptions {
   }
 };
 
+/// How `project_steps` went.
 struct StepProjectionReport {
   double closure_before = 0;  ///< root mean square of the sums round facets, in steps
   double closure_after = 0;

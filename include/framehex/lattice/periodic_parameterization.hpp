@@ -8,6 +8,7 @@
 
 namespace framehex {
 
+/// Options of `place_lattice`.
 struct LatticeOptions {
   AxisScaleOptions scale = {};
   StepProjectionOptions projection = {};
@@ -26,6 +27,7 @@ struct LatticeOptions {
   }
 };
 
+/// How `place_lattice` went.
 struct LatticeReport {
   StepProjectionReport projection;
   PhaseReport phases;

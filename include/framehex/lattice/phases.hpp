@@ -25,6 +25,7 @@ enum class ChartRounding {
   last    ///< when the jumps between neighbours are known: each part is moved as a whole
 };
 
+/// Options of `PhaseSolver`.
 struct PhaseOptions {
   double reach = 128;  ///< > 0, sizes: distance over which phases are spread at first; then ever less, to half a size
   double next_reach = 32;   ///< > 0, sizes: the same for solutions that start from the last one
@@ -43,6 +44,7 @@ struct PhaseOptions {
   }
 };
 
+/// How a solve for phases went.
 struct PhaseReport {
   std::size_t n_pinned = 0;      ///< parts that no boundary holds, of which one value was chosen
   std::size_t n_charts = 0;      ///< parts of the boundary on which a coordinate is constant

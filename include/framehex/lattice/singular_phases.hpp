@@ -20,6 +20,7 @@ public:
     Vector3 axis;    ///< unit, that of the turn; along the line from its first facet to its last
     bool on_boundary;
   };
+  /// One line.
   struct Line {
     index_t first, end;  ///< rows of `facets()`
     double length;       ///< in sizes
@@ -132,6 +133,7 @@ private:
   std::vector<Facet> facets_;
 };
 
+/// Options of `solve_singular_phases`.
 struct SingularPhaseOptions {
   int max_trials = 3;               ///< solves with lines forced to whole coordinates
   double defect_cost = 5;           ///< of a cube of the size through which dislocations pass, in sizes of half line
@@ -145,6 +147,7 @@ struct SingularPhaseOptions {
   }
 };
 
+/// How `solve_singular_phases` went.
 struct SingularPhaseReport {
   double n_defects_before = 0;  ///< volume of dislocated tetrahedra in cubes of the size, without forcing
   double n_defects_after = 0;

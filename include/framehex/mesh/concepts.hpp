@@ -32,10 +32,13 @@ namespace framehex {
 template <class M>
 struct mesh_traits {};
 
+/// Handle of a vertex of a host's mesh.
 template <class M>
 using vertex_t = typename mesh_traits<M>::vertex_type;
+/// Handle of a cell of a host's mesh.
 template <class M>
 using cell_t = typename mesh_traits<M>::cell_type;
+/// Coordinates of a host's mesh.
 template <class M>
 using scalar_t = typename mesh_traits<M>::scalar_type;
 
@@ -63,6 +66,7 @@ concept TetMesh = detail::SimplexMesh<M, 4>;
 template <class M>
 concept TriangleMesh = detail::SimplexMesh<M, 3>;
 
+/// Counts the vertices. O(n) where the host's range has no size.
 template <class M>
 requires TetMesh<M> || TriangleMesh<M> std::size_t n_vertices(const M& mesh) {
   return static_cast<std::size_t>(std::ranges::distance(mesh_traits<M>::vertices(mesh)));

@@ -13,6 +13,7 @@ enum class QuadGoal {
   pairs,      ///< triangles that share an edge only: some stay triangles
 };
 
+/// Options of `quadrangulate`.
 struct QuadrangulationOptions {
   QuadGoal goal = QuadGoal::all_quads;
   std::span<const Quaternion> frames = {};  ///< a cross in each triangle (z its normal), or empty

@@ -34,8 +34,11 @@ inline constexpr CellKind kind_with = Corners == 4   ? CellKind::tetrahedron
                                       : Corners == 6 ? CellKind::prism
                                                      : CellKind::hexahedron;
 
+/// What `find_potential_hexahedra` returns.
 using PotentialHexahedra = Candidates<8>;
+/// What `find_potential_prisms` returns.
 using PotentialPrisms = Candidates<6>;
+/// What `find_potential_pyramids` returns.
 using PotentialPyramids = Candidates<5>;
 
 }  // namespace framehex

@@ -54,8 +54,11 @@ struct FinderOptions {
   }
 };
 
+/// Options of `find_potential_hexahedra`.
 using HexFinderOptions = FinderOptions;
+/// Options of `find_potential_prisms`.
 using PrismFinderOptions = FinderOptions;
+/// Options of `find_potential_pyramids`.
 using PyramidFinderOptions = FinderOptions;
 
 /// Brings labels of boundary triangles into the form of `FinderOptions::facet_patches`.

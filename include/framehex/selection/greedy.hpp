@@ -69,6 +69,7 @@ std::vector<index_t> select_dynamically(const G& graph, Stop&& stop) {
   return members;
 }
 
+/// The same without an end before its time.
 template <ConflictSource G>
 std::vector<index_t> select_dynamically(const G& graph) {
   return select_dynamically(graph, [] { return false; });

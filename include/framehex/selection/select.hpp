@@ -8,12 +8,14 @@
 
 namespace framehex {
 
+/// How hard `select` tries.
 enum class SelectMethod {
   greedy,  ///< the paper's: by falling weight; ends at once, with a rough bound
   best,    ///< until the gap asked for is proven (small components: until optimal) or the budget is spent
   exact    ///< until optimal or the budget is spent
 };
 
+/// Options of `select`.
 struct SelectOptions {
   SelectMethod method = SelectMethod::best;
   /// Proven gap at which `best` ends, 0 to 1. 1: no proof is asked for, and the bound is that of a few iterations.

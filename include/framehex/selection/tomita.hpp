@@ -9,6 +9,7 @@
 
 namespace framehex {
 
+/// Options of `for_each_maximal_independent_set`.
 struct EnumerationOptions {
   std::size_t max_sets = std::numeric_limits<std::size_t>::max();
   /// Stage "enumeration".
@@ -20,6 +21,7 @@ struct EnumerationOptions {
   }
 };
 
+/// How far the enumeration came.
 struct EnumerationResult {
   std::size_t n_sets = 0;
   Status status = Status::complete;
@@ -156,6 +158,7 @@ EnumerationResult for_each_maximal_independent_set(const IncompatibilityGraph& g
   return detail::Enumeration<std::remove_reference_t<Visit>>(graph, options, visit).run();
 }
 
+/// Options of `select_by_branch_and_bound`.
 struct TomitaOptions {
   std::size_t max_nodes = 10'000'000;  ///< of the search tree, a component; 0: none, the dynamic greedy selection
   /// Stage "selection".

@@ -19,12 +19,14 @@ namespace framehex {
 /// would bend each path by what the field turns within a triangle.
 class CrossSampler {
 public:
+  /// The cross at a point.
   struct Sample {
     Eigen::Matrix3d axes;  ///< columns: the cross's two axes and the outward normal
     double smoothness;
   };
 
-  /// @param surface, walker, frames, smoothness  kept by reference.
+  /// All are kept by reference.
+  ///
   /// @param frames      n_triangles; z is the outward normal, x and y the cross.
   /// @param smoothness  n_vertices, or empty: 1 everywhere.
   CrossSampler(const Surface& surface, const SurfaceWalker& walker, std::span<const Quaternion> frames,

@@ -19,7 +19,7 @@ struct Surface {
 
   Surface() = default;
 
-  /// @param adjacency  of the triangles.
+  /// @param triangle_adjacency  of the triangles.
   Surface(std::vector<Vector3> vertices, TriangleAdjacency triangle_adjacency, FeatureGraph feature_graph)
       : points(std::move(vertices)), adjacency(std::move(triangle_adjacency)), features(std::move(feature_graph)) {}
 

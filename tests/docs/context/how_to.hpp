@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSL-1.0
+#include <atomic>
+
+extern const framehex::IndexedTriangleMesh surface;
+struct Window {
+  void show(std::string_view, double);
+  bool cancelled();
+};
+extern Window window;
+struct ThreadPool {
+  std::size_t n_threads() const;
+  void start(std::function<void()>);
+  void wait();
+};
