@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/netgen.hpp"
 #include "support/host_reference.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <fstream>
 
 using namespace framehex;
 using namespace nglib;
@@ -28,14 +31,30 @@ TEST_CASE("Netgen's volume elements are a tetrahedral mesh") {
   Netgen host;
   for (const Vector3& p : test::host_reference().mesh.points) host.add(p);
   for (const auto& t : test::host_reference().mesh.tets) {
-    std::array<int, 4> v{};
-    for (std::size_t i = 0; i < 4; ++i) v[i] = static_cast<int>(t[i]) + 1;
+    std::array<int, 4> v{};  // Netgen's order is the mirror image
+    for (std::size_t i = 0; i < 4; ++i) v[i] = static_cast<int>(t[i == 0 ? 1 : i == 1 ? 0 : i]) + 1;
     Ng_AddVolumeElement(host.mesh, NG_TET, v.data());
   }
   test::check_host(NetgenTets(*host.mesh));
-  std::array<int, 5> pyramid{1, 2, 3, 4, 5};
-  Ng_AddVolumeElement(host.mesh, NG_PYRAMID, pyramid.data());
-  CHECK_THROWS_AS(NetgenTets(*host.mesh), invalid_connectivity);
+}
+
+TEST_CASE("elements of Netgen that are no tetrahedra are refused with their number") {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "pyramid.vol").string();
+  std::ofstream(file) << "mesh3d\ndimension\n3\ngeomtype\n0\nsurfaceelements\n0\nvolumeelements\n2\n"
+                         "1 4 2 1 3 5\n1 5 1 2 3 4 5\nedgesegmentsgi2\n0\npoints\n5\n"
+                         "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\nendmesh\n";
+  Netgen host;
+  Ng_Mesh* const mesh = Ng_LoadMesh(file.c_str());
+  REQUIRE(mesh);
+  REQUIRE(Ng_GetNE(mesh) == 2);
+  try {
+    NetgenTets view(*mesh);
+    FAIL();
+  } catch (const invalid_connectivity& e) {
+    CHECK(e.indices() == std::vector<std::size_t>{1});
+  }
+  Ng_DeleteMesh(mesh);
 }
 
 TEST_CASE("what Netgen itself makes of a cube is recombined") {

@@ -33,12 +33,13 @@ inline std::array<double, 3> netgen_point(NetgenHandle& mesh, int point) {
   nglib::Ng_GetPoint(&mesh, point, p.data());
   return p;
 }
-/// The first corners of a volume element, counted from 1; all zero when it is no tetrahedron.
+/// The corners of a volume element, counted from 1 and positive, where Netgen's are negative; all zero when it is no
+/// tetrahedron.
 inline std::array<int, 4> netgen_tet(NetgenHandle& mesh, int element) {
   std::array<int, NG_VOLUME_ELEMENT_MAXPOINTS> v{};
   const nglib::Ng_Volume_Element_Type type = nglib::Ng_GetVolumeElement(&mesh, element, v.data());
   if (type != nglib::NG_TET && type != nglib::NG_TET10) return {};
-  return {v[0], v[1], v[2], v[3]};
+  return {v[1], v[0], v[2], v[3]};
 }
 
 }  // namespace detail
