@@ -5,9 +5,11 @@
     viewer_pictures.py PROGRAM [NAME...]      without names: all
 
 Pages of the paper's figures show the paper's variants in the paper's terms, and the program's lattice, side by side. Needs
-Debian's chromium and tetgen.
+Debian's chromium and tetgen, and paper_cube beside the program (target `benchmarks`) for results-cube.
 """
 import base64
+import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -20,18 +22,18 @@ import shapes  # noqa: E402
 from chromium import Page  # noqa: E402
 
 IMAGES = ROOT / "docs" / "images"
-WIDTH, HEIGHT = 560, 520  # of one panel
+WIDTH, HEIGHT = 560, 420  # of one panel
 
 # Name: model, address of the view, variants. Those of the paper's figures are cut like there.
 FIGURES = {
-    "results-dome": ("dome", "cut=y,0.5&view=-75,12,1.35", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-dome": ("dome", "cut=y,0.5,flip&view=-75,14,1.65", ["NN-Fr", "Sm-FB", "lattice"]),
     "results-bunny": ("bunny", "cut=z,0.55&view=-90,60,1.3", ["NN-Fr", "Sm-FB", "lattice"]),
-    "results-blade": ("blade", "cut=z,0.5&view=-60,40,1.6", ["NN-Fr", "Sm-FB", "lattice"]),
-    "results-fuselage": ("fuselage", "cut=y,0.5&view=-75,12,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
-    "results-piece": ("piece", "cut=z,0.3&view=-60,40,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
-    "results-naca": ("naca", "cut=y,0.5&view=-90,25,1.4", ["NN-Fr", "Sm-FB", "lattice"]),
-    "results-placement": ("dome", "cut=y,0.5&view=-75,12,1.35", ["fronts", "lattice"]),
-    "results-smoothness": ("dome", "cut=y,0.5&view=-75,12,1.35&colour=smoothness", ["NN-FB", "Sm-FB", "fronts"]),
+    "results-blade": ("blade", "cut=z,0.5&view=-60,40,1.3", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-fuselage": ("fuselage", "cut=y,0.5,flip&view=-75,14,1.25", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-piece": ("piece", "cut=z,0.3&view=-60,45,1.15", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-naca": ("naca", "cut=z,0.5&view=-80,50,1.0", ["NN-Fr", "Sm-FB", "lattice"]),
+    "results-placement": ("dome", "cut=y,0.5,flip&view=-75,14,1.65", ["fronts", "lattice"]),
+    "results-smoothness": ("dome", "cut=y,0.5,flip&view=-75,14,1.65&colour=smoothness", ["NN-FB", "Sm-FB", "fronts"]),
 }
 CAPTIONS = {"NN-Fr": "nearest, first in first out", "NN-FB": "nearest, smoothest first", "Sm-FB": "smoothed, smoothest first",
             "fronts": "best field, fronts", "lattice": "best field, lattice"}
@@ -57,7 +59,7 @@ def side_by_side(page, pictures, captions, out):
     figures = "".join(f'<figure><img src="data:image/png;base64,{base64.b64encode(png).decode()}"><figcaption>{caption}'
                       "</figcaption></figure>" for png, caption in zip(pictures, captions))
     html = out.with_suffix(".html")
-    html.write_text('<!DOCTYPE html><meta charset="utf-8"><style>body{margin:0;display:flex;background:#fff}figure{margin:0}'
+    html.write_text('<!DOCTYPE html><meta charset="utf-8"><style>body{margin:0;display:flex;background:#f6f7f9}figure{margin:0}'
                     f"img{{width:{WIDTH}px;height:{HEIGHT}px;display:block}}figcaption{{font:18px system-ui,sans-serif;"
                     f"text-align:center;padding:6px 0 10px}}</style>{figures}")
     page.call("Emulation.setDeviceMetricsOverride", width=WIDTH * len(pictures), height=HEIGHT + 42, deviceScaleFactor=1,
@@ -73,7 +75,7 @@ def make_figure(program, name, folder):
         pictures, captions = [], []
         for variant in variants:
             page.open(page_of(program, model, variant, folder), f"panel=0&theme=light&curves=0&{address}")
-            page.evaluate("document.getElementById('show').remove(); document.body.style.background = '#fff'")
+            page.evaluate("document.getElementById('show').remove()")
             pictures.append(page.picture())
             ratio = [page.evaluate(f"document.getElementById('{what}-hexahedron').firstChild.textContent")[:-2]
                      for what in ("number", "volume")]
@@ -99,6 +101,45 @@ def ball_in_a_box(program, folder):
     return page
 
 
+def graph_picture(graph, members, page, folder):
+    """The incompatibility graph with an independent set in grey: springs along conflicts, all nodes pushing each other."""
+    n = graph["candidates"]
+    at = [complex(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n)) for i in range(n)]
+    for step in range(2000):
+        push = [sum((at[i] - at[j]) / abs(at[i] - at[j]) ** 2 for j in range(n) if j != i) * 0.05 for i in range(n)]
+        for a, b in graph["conflicts"]:
+            pull = (at[b] - at[a]) * 0.1
+            push[a] += pull
+            push[b] -= pull
+        at = [z + 0.2 * p for z, p in zip(at, push)]
+    middle, reach = sum(at) / n, max(abs(z - sum(at) / n) for z in at)
+    at = [(z - middle) / reach * 210 for z in at]
+    parts = [f'<line x1="{at[a].real:.1f}" y1="{at[a].imag:.1f}" x2="{at[b].real:.1f}" y2="{at[b].imag:.1f}" stroke="#444"/>'
+             for a, b in graph["conflicts"]]
+    parts += [f'<circle cx="{z.real:.1f}" cy="{z.imag:.1f}" r="16" fill="{"#9aa0a8" if i in members else "#fff"}" stroke="#222"/>'
+              for i, z in enumerate(at)]
+    html = folder / "graph.html"
+    html.write_text(f'<!DOCTYPE html><body style="margin:0;background:#f6f7f9"><svg width="{WIDTH}" height="{HEIGHT}" '
+                    f'viewBox="{-WIDTH / 2} {-HEIGHT / 2} {WIDTH} {HEIGHT}">{"".join(parts)}</svg>')
+    page.open(html)
+    return page.picture()
+
+
+def make_cube(program, folder):
+    """The paper's Fig. 2: two sets of hexahedra that nothing can be added to, and their incompatibility graph."""
+    printed = subprocess.run([pathlib.Path(program).with_name("paper_cube"), folder], check=True, capture_output=True)
+    graph = json.loads(printed.stdout)["figure_2"]
+    with Page(WIDTH, HEIGHT) as page:
+        pictures = []
+        for which in ("worse", "best"):
+            page.open(folder / f"{which}.html", "panel=0&theme=light&curves=0&view=-60,25,0.85")
+            page.evaluate("document.getElementById('show').remove()")
+            pictures += [page.picture(), graph_picture(graph, graph[which], page, folder)]
+        captions = [f"{len(graph['worse'])} hexahedra", f"{graph['candidates']} candidates, mean degree {graph['mean_degree']:g}",
+                    f"{len(graph['best'])} hexahedra", "the greatest independent set"]
+        side_by_side(page, pictures, captions, IMAGES / "results-cube.png")
+
+
 def make_view(path, address, out):
     with Page(1280, 860) as page:
         page.open(path, address)
@@ -107,7 +148,7 @@ def make_view(path, address, out):
 
 def main():
     program = str(pathlib.Path(sys.argv[1]).resolve())
-    known = [*FIGURES, *VIEWS, "viewer-regions"]
+    known = [*FIGURES, *VIEWS, "viewer-regions", "results-cube"]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for wanted in sys.argv[2:] or known:
@@ -119,6 +160,8 @@ def main():
             elif wanted == "viewer-regions":
                 make_view(ball_in_a_box(program, folder), "theme=light&cut=y,0.5,flip&view=-70,20,1.1&colour=region",
                           IMAGES / "viewer-regions.png")
+            elif wanted == "results-cube":
+                make_cube(program, folder)
             else:
                 raise SystemExit(f"viewer_pictures.py: no picture is called {wanted} (there are {', '.join(known)})")
             print(wanted, flush=True)

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Makes the tables of docs/results.md from results.json and, for Table 1, from what paper_cube prints.
+
+    tables.py [--results FILE.json] [--cube FILE.json] [--into docs/results.md]
+
+Without --into they are printed. In the page each stands between <!-- NAME --> and <!-- end --> and is replaced.
+"""
+import argparse
+import json
+import pathlib
+import re
+import statistics
+
+from run import ABLATION, HERE, OUR_VARIANTS, PAPERS_VARIANTS, PLACEMENTS, SMALL, load
+from shapes import SIZES as SHAPES
+
+MODELS = ["dome", "bunny", "blade", "piece", "fuselage", "naca"]
+PAPERS_TERMS = [*PAPERS_VARIANTS, *(v for v in OUR_VARIANTS if "paper's" in v)]
+
+
+def table(head, rows):
+    cells = head.split("|")
+    right = ["---" if i == 0 else "---:" for i in range(len(cells))]
+    return "\n".join("| " + " | ".join(row) + " |" for row in [[c.strip() for c in cells], right, *rows])
+
+
+def found(results, model, size, variant):
+    return results["runs"].get(f"{model} | {size} | {variant}")
+
+
+def shares(row):
+    return f"{row['hex_number']:.1f} / {row['hex_volume']:.1f}"
+
+
+def stages(row):
+    """Seconds of the clock, brought to the sum of the CPU's: the machine may have been busy with other things."""
+    scale = row["cpu"] / max(row["seconds"]["total"], 1e-9)
+    s = {stage: scale * seconds for stage, seconds in row["seconds"].items()}
+    return f"{s['background'] + s['field']:.1f} / {s['insertion']:.1f} / {s['recombination']:.1f}"
+
+
+def kinds(row):
+    return " / ".join(f"{row[kind]:,}" for kind in ("tetrahedra", "prisms", "pyramids", "hexahedra"))
+
+
+def papers_terms(results, paper, size):
+    rows = []
+    for model in MODELS:
+        for variant in PAPERS_TERMS:
+            row = found(results, model, size, variant)
+            if not row:
+                continue
+            theirs = paper[model].get(variant)
+            rows.append([f"{model}, {variant.removesuffix(', paper' + chr(39) + 's terms')}", f"{row['cells']:,}", stages(row),
+                         f"{row['cpu']:.0f}", f"**{shares(row)}**", f"{row['least_hexahedron']:.2f} / {row['mean']:.2f}",
+                         f"{row['open']:,}", f"{row['megabytes']}",
+                         *([f"{theirs[0]:,}", f"{theirs[4]:.0f}", f"{theirs[5]:g} / {theirs[6]:g}"] if theirs else ["", "", ""])])
+    return table("test case | elements | t_b / t_i / t_r, s | CPU s | hexahedra, number / volume % | least hex / mean SJ | "
+                 "open | MB | paper: elements | t_t, s | number / volume %", rows)
+
+
+def our_terms(results, size, models):
+    rows, default = [], results["program"]["default"]
+    for model in models:
+        for variant in PLACEMENTS:
+            row = found(results, model, size, variant)
+            if not row:
+                continue
+            off = 100 * abs(row["volume"] / row["surface_volume"] - 1)
+            rows.append([f"{model} {row['size']:g}, {variant}{' (default)' if variant == default else ''}", kinds(row), f"**{shares(row)}**",
+                         f"{row['least']:.2f} / {row['least_hexahedron']:.2f} / {row['mean']:.2f}", f"{row['invalid']}",
+                         f"{row['open']}", f"{off:.2f}", f"{row['cpu']:.0f}", f"{row['megabytes']}"])
+    return table("model, size, placement | tet / prism / pyramid / hex | hexahedra, number / volume % | least SJ: all / hex / mean | "
+                 "invalid | open | volume off, % | CPU s | MB", rows)
+
+
+def ablation(results):
+    rows = []
+    for variant in ABLATION:
+        mine = [found(results, model, "small", variant) for model in MODELS]
+        if all(mine):
+            rows.append([variant, *(shares(row) for row in mine),
+                         " / ".join(f"{statistics.mean(row[share] for row in mine):.1f}" for share in ("hex_number", "hex_volume")),
+                         f"{min(row['least'] for row in mine):.2f}", f"{sum(row['open'] for row in mine):,}",
+                         f"{sum(row['cpu'] for row in mine):.0f}"])
+    return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in MODELS) + " | mean | least SJ | open | CPU s", rows)
+
+
+def best_of_paper(results, paper):
+    """Ours against the paper's best of each model: shares by number and volume."""
+    rows = []
+    for model in MODELS:
+        mine = {v: found(results, model, size, v) for size in ("small", "full") for v in PAPERS_TERMS
+                if found(results, model, size, v)}
+        full = [found(results, model, "full", v) for v in PAPERS_TERMS]
+        full = [row for row in full if row]
+        source = full or list(mine.values())
+        if not source:
+            continue
+        best = [max(row[share] for row in source) for share in ("hex_number", "hex_volume")]
+        theirs = [max(row[k] for row in paper[model].values()) for k in (5, 6)]
+        rows.append([model, "full" if full else "small", f"{theirs[0]:g} / {theirs[1]:g}", f"{best[0]:.1f} / {best[1]:.1f}",
+                     f"{best[0] - theirs[0]:+.1f} / {best[1] - theirs[1]:+.1f}"])
+    return table("model | size | paper's best, number / volume % | ours in the same terms | difference", rows)
+
+
+def table_1(cube, paper):
+    rows = []
+    for n in (3, 4, 5):
+        theirs = paper["table_1"][f"cube {n}"]
+        rows.append([f"{n}^3, paper", str(theirs["tetrahedra"]), str(theirs["hexahedra"]), str(theirs["degree"])])
+        for ties in ("chance", "half-way", "alike"):
+            mine = [row for row in cube["table_1"] if row["cubes"] == n and row["ties"] == ties]
+            spans = [sorted(row[key] for row in mine) for key in ("tetrahedra", "hexahedra", "degree")]
+            rows.append([f"{n}^3, ties {ties}", *(f"{s[0]:.0f} to {s[-1]:.0f}" if len(s) > 1 else f"{s[0]:.0f}" for s in spans)])
+    return table("cubes | tetrahedra | potential hexahedra | mean degree", rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--results", type=pathlib.Path, default=HERE / "results.json")
+    parser.add_argument("--cube", type=pathlib.Path, default=HERE / "cube.json")
+    parser.add_argument("--into", type=pathlib.Path)
+    options = parser.parse_args()
+    results, paper = load(options.results), json.loads((HERE / "paper.json").read_text())
+    tables = {
+        "best": best_of_paper(results, paper),
+        "paper full": papers_terms(results, paper, "full"),
+        "paper small": papers_terms(results, paper, "small"),
+        "ours full": our_terms(results, "full", MODELS),
+        "ours small": our_terms(results, "small", MODELS),
+        "shapes": our_terms(results, "shapes", SHAPES),
+        "ablation": ablation(results),
+        "table 1": table_1(json.loads(options.cube.read_text()), paper),
+    }
+    if not options.into:
+        print("\n\n".join(f"{name}\n\n{text}" for name, text in tables.items()))
+        return
+    page = options.into.read_text()
+    for name, text in tables.items():
+        page, n = re.subn(rf"<!-- {name} -->\n.*?<!-- end -->", lambda _: f"<!-- {name} -->\n\n{text}\n\n<!-- end -->", page,
+                          flags=re.S)
+        if n != 1:
+            raise SystemExit(f"tables.py: {options.into} has no place for the table \"{name}\"")
+    options.into.write_text(page)
+
+
+if __name__ == "__main__":
+    main()
