@@ -95,8 +95,7 @@ def make(name):
         return extruded([(0, 0), (1, 0), (0.5, math.sqrt(3) / 2)], 1)
     if name == "tetrahedron":
         s = math.sqrt(1 / 8)
-        return ([(s, s, s), (s, -s, -s), (-s, s, -s), (-s, -s, s)], [(1, 2, 0)[::-1], (0, 1, 3)[::-1], (0, 3, 2)[::-1],
-                                                                      (1, 2, 3)])
+        return [(s, s, s), (s, -s, -s), (-s, s, -s), (-s, -s, s)], [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]
     if name == "L":
         points, faces = extruded([(0, 0), (2, 0), (3, 0), (3, 1), (2, 1), (2, 2), (0, 2), (0, 1)], 1)
         n = 8

@@ -11,11 +11,14 @@ import json
 import pathlib
 import re
 import statistics
+import tempfile
 
-from run import ABLATION, HERE, OUR_VARIANTS, PAPERS_VARIANTS, PLACEMENTS, SMALL, load
+import meshio
+
+from run import ABLATION, HERE, MODELS, OUR_VARIANTS, PAPERS_VARIANTS, PLACEMENTS, SMALL, load, surface_file
 from shapes import SIZES as SHAPES
 
-MODELS = ["dome", "bunny", "blade", "piece", "fuselage", "naca"]
+NAMES = ["dome", "bunny", "blade", "piece", "fuselage", "naca"]
 PAPERS_TERMS = [*PAPERS_VARIANTS, *(v for v in OUR_VARIANTS if "paper's" in v)]
 
 
@@ -44,9 +47,22 @@ def kinds(row):
     return " / ".join(f"{row[kind]:,}" for kind in ("tetrahedra", "prisms", "pyramids", "hexahedra"))
 
 
+def enclosed_volume(model):
+    """Of the surface, summed over the triangles of its file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = surface_file(MODELS, model, pathlib.Path(folder))
+        surface, total = meshio.read(path), 0.0
+    for block in surface.cells:
+        for i in range(1, block.data.shape[1] - 1):
+            a, b, c = (surface.points[block.data[:, k]].astype(float) for k in (0, i, i + 1))
+            total += float((a[:, 0] * (b[:, 1] * c[:, 2] - b[:, 2] * c[:, 1]) + a[:, 1] * (b[:, 2] * c[:, 0] - b[:, 0] * c[:, 2])
+                            + a[:, 2] * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])).sum()) / 6
+    return total
+
+
 def papers_terms(results, paper, size):
     rows = []
-    for model in MODELS:
+    for model in NAMES:
         for variant in PAPERS_TERMS:
             row = found(results, model, size, variant)
             if not row:
@@ -63,11 +79,12 @@ def papers_terms(results, paper, size):
 def our_terms(results, size, models):
     rows, default = [], results["program"]["default"]
     for model in models:
+        surface_volume = enclosed_volume(model)
         for variant in PLACEMENTS:
             row = found(results, model, size, variant)
             if not row:
                 continue
-            off = 100 * abs(row["volume"] / row["surface_volume"] - 1)
+            off = 100 * abs(row["volume"] / surface_volume - 1)
             rows.append([f"{model} {row['size']:g}, {variant}{' (default)' if variant == default else ''}", kinds(row), f"**{shares(row)}**",
                          f"{row['least']:.2f} / {row['least_hexahedron']:.2f} / {row['mean']:.2f}", f"{row['invalid']}",
                          f"{row['open']}", f"{off:.2f}", f"{row['cpu']:.0f}", f"{row['megabytes']}"])
@@ -78,19 +95,19 @@ def our_terms(results, size, models):
 def ablation(results):
     rows = []
     for variant in ABLATION:
-        mine = [found(results, model, "small", variant) for model in MODELS]
+        mine = [found(results, model, "small", variant) for model in NAMES]
         if all(mine):
             rows.append([variant, *(shares(row) for row in mine),
                          " / ".join(f"{statistics.mean(row[share] for row in mine):.1f}" for share in ("hex_number", "hex_volume")),
                          f"{min(row['least'] for row in mine):.2f}", f"{sum(row['open'] for row in mine):,}",
                          f"{sum(row['cpu'] for row in mine):.0f}"])
-    return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in MODELS) + " | mean | least SJ | open | CPU s", rows)
+    return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in NAMES) + " | mean | least SJ | open | CPU s", rows)
 
 
 def best_of_paper(results, paper):
     """Ours against the paper's best of each model: shares by number and volume."""
     rows = []
-    for model in MODELS:
+    for model in NAMES:
         mine = {v: found(results, model, size, v) for size in ("small", "full") for v in PAPERS_TERMS
                 if found(results, model, size, v)}
         full = [found(results, model, "full", v) for v in PAPERS_TERMS]
@@ -128,8 +145,8 @@ def main():
         "best": best_of_paper(results, paper),
         "paper full": papers_terms(results, paper, "full"),
         "paper small": papers_terms(results, paper, "small"),
-        "ours full": our_terms(results, "full", MODELS),
-        "ours small": our_terms(results, "small", MODELS),
+        "ours full": our_terms(results, "full", NAMES),
+        "ours small": our_terms(results, "small", NAMES),
         "shapes": our_terms(results, "shapes", SHAPES),
         "ablation": ablation(results),
         "table 1": table_1(json.loads(options.cube.read_text()), paper),
