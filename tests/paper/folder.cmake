@@ -3,5 +3,5 @@
 if(TARGET framehex_program)
   add_test(NAME "paper: quick" COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/benchmarks/paper/run.py
                                        $<TARGET_FILE:framehex_program> --quick)
-  set_tests_properties("paper: quick" PROPERTIES ENVIRONMENT PYTHONDONTWRITEBYTECODE=1 TIMEOUT 600)
+  set_tests_properties("paper: quick" PROPERTIES ENVIRONMENT PYTHONDONTWRITEBYTECODE=1 TIMEOUT 900)
 endif()

@@ -7,5 +7,5 @@ foreach(class IN ITEMS TestModel TestRegions TestSources)
   add_test(NAME "viewer: ${class}" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/test_viewer.py ${class})
   set_tests_properties("viewer: ${class}" PROPERTIES ENVIRONMENT
                                                      "FRAMEHEX=$<TARGET_FILE:framehex_program>;PYTHONDONTWRITEBYTECODE=1"
-                                                     TIMEOUT 600)
+                                                     TIMEOUT 900)
 endforeach()
