@@ -11,6 +11,8 @@
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/make_mesh_3.h>
 
+#include <set>
+
 using namespace framehex;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
@@ -52,12 +54,11 @@ TEST_CASE("a complex of CGAL's mesher, with its subdomains and patches") {
   using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
   using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
   using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
-  // A ball of radius 1 within one of radius 2.
+  // A ball of radius 2 in two halves.
   const auto label = [](const Kernel::Point_3& p) {
-    const double r2 = CGAL::squared_distance(p, Kernel::Point_3(CGAL::ORIGIN));
-    return r2 < 1 ? 2 : r2 < 4 ? 1 : 0;
+    return CGAL::squared_distance(p, Kernel::Point_3(CGAL::ORIGIN)) > 4 ? 0 : p.x() < 0 ? 1 : 2;
   };
-  const Domain domain(label, Kernel::Sphere_3(CGAL::ORIGIN, 9), 1e-4);
+  const Domain domain(label, Kernel::Sphere_3({0.3, 0.1, 0}, 9), 1e-4);
   namespace par = CGAL::parameters;
   const Criteria criteria(par::facet_angle = 25, par::facet_size = 0.6, par::facet_distance = 0.05,
                           par::cell_radius_edge_ratio = 2, par::cell_size = 0.6);
@@ -66,13 +67,16 @@ TEST_CASE("a complex of CGAL's mesher, with its subdomains and patches") {
   REQUIRE(view.cells.size() > 100);
   CHECK_NOTHROW(validate(view));
   CHECK(std::set<index_t>(view.regions.begin(), view.regions.end()) == std::set<index_t>{1, 2});
+  const std::vector<Vector3> points = positions(view);
   std::set<index_t> patches;
   for (const LabelledFace& face : view.faces) {
     patches.insert(face.label);
-    const Vector3 p = positions(view)[face.vertices[0]];
-    CHECK(p.norm() == Approx(face.label == 0 ? 2 : 1).margin(0.1));  // (0, 1) comes before (1, 2)
+    for (std::size_t i = 0; i < 3; ++i) {  // (0, 1), (0, 2), (1, 2), whose rim is not sharp
+      const Vector3& p = points[face.vertices[i]];
+      CHECK((face.label == 2 ? p.x() : p.norm() - 2) == Approx(0).margin(0.3));
+    }
   }
-  CHECK(patches == std::set<index_t>{0, 1});
+  CHECK(patches == std::set<index_t>{0, 1, 2});
   const Recombination result = recombine(view, {.regions = view.regions, .faces = view.faces});
   CHECK(verify::is_conforming(result.mesh));
   CHECK(verify::is_valid(result.mesh));
