@@ -104,6 +104,46 @@ framehex::SoupSurface read_input(const Options& options) {
   return soup;
 }
 
+std::string near(const framehex::Vector3& p) {
+  char text[120];
+  std::snprintf(text, sizeof text, "near (%.4g, %.4g, %.4g)", p.x(), p.y(), p.z());
+  return text;
+}
+
+std::string and_more(std::size_t n) {
+  return n > 1 ? " and " + std::to_string(n - 1) + " other places" : "";
+}
+
+/// Where the sizes are smaller than asked for, and which cells are poor all the same.
+void tell_exceptions(const Options& options, const framehex::MeshingResult& result, double size,
+                     nlohmann::ordered_json& json) {
+  const auto place = [](const framehex::Vector3& p) { return std::vector<double>{p.x(), p.y(), p.z()}; };
+  auto& sizes = json["sizes"];
+  sizes = {{"wished", size}, {"least", size}, {"limited_places", result.size_limits.size()}};
+  for (const framehex::SizeLimit& limit : result.size_limits)
+    sizes["limits"].push_back({{"place", place(limit.place)}, {"length", limit.length}});
+  if (!result.size_limits.empty()) {
+    const framehex::SizeLimit& least = result.size_limits.front();
+    sizes["least"] = least.length;
+    char text[80];
+    std::snprintf(text, sizeof text, "the size is smaller, down to %.3g of %.3g, ", least.length, size);
+    remark(options, text + near(least.place) + and_more(result.size_limits.size()) +
+                        ", where the surface comes too near itself for it");
+  }
+  std::size_t n_forced = 0;
+  for (const framehex::PoorCell& poor : result.poor_cells) {
+    json["quality"]["poor_cells"].push_back({{"cell", poor.cell},
+                                             {"scaled_jacobian", poor.quality},
+                                             {"place", place(poor.place)},
+                                             {"input_angle", poor.input_angle}});
+    n_forced += poor.input_angle ? 1 : 0;
+  }
+  if (!result.poor_cells.empty())
+    remark(options, std::to_string(result.poor_cells.size()) + " cells have a scaled Jacobian below 0.05, " +
+                        std::to_string(n_forced) + " of them at angles of the surface that leave no room: " +
+                        near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
+}
+
 }  // namespace
 
 bool mesh(const Options& options, const framehex::Observer& observer) {
@@ -145,6 +185,7 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                     {"unremoved", s.n_unremoved_vertices},
                     {"background_tetrahedra", s.n_background_tets},
                     {"tetrahedra", s.n_tets}};
+  tell_exceptions(options, result, size, json);
   finish(json, options);
   json["options"]["size"] = size;
   const framehex::MeshData data{.cells = cell_arrays(measures),

@@ -64,6 +64,7 @@ void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombi
                       {"dissolved", a.n_dissolved},
                       {"refitted", a.n_refitted},
                       {"unfit", a.n_unfit},
+                      {"given_up", recombination.n_given_up},
                       {"new_vertices", a.n_new_vertices},
                       {"removed_vertices", a.n_removed_vertices}};
 }

@@ -67,6 +67,10 @@ class invalid_graph : public error { using error::error; };
 /// Cells of a selection that cannot stand in one mesh; the candidates.
 class incompatible_selection : public error { using error::error; };
 
+/// A result that does not pass its own check and could not be mended; vertices of the input near the fault. A defect of
+/// framehex: please report it.
+class unsound_mesh : public error { using error::error; };
+
 /// The tetrahedraliser is missing, failed, or broke its promises.
 class tetrahedralization_error : public error { using error::error; };
 

@@ -101,6 +101,7 @@
 #include "framehex/verify/boundary_deviation.hpp"
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/independence.hpp"
+#include "framehex/verify/kept_boundary.hpp"
 #include "framehex/verify/solver_quality.hpp"
 #include "framehex/verify/validity.hpp"
 #include "framehex/assembly/assemble.hpp"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #include <catch2/catch.hpp>
 
+#include "framehex/verify/kept_boundary.hpp"
 #include "framehex/verify/validity.hpp"
+#include "support/kuhn_lattice.hpp"
 
 using namespace framehex;
 
@@ -150,4 +152,32 @@ TEST_CASE("nothing is a mesh too", "[verify]") {
   CHECK(verify::is_conforming({}));
   CHECK(verify::is_valid({}));
   CHECK(verify::volume({}).relative_difference() == 0);
+}
+
+TEST_CASE("a boundary of quadrilaterals is that of the triangles whichever way they are cut", "[verify]") {
+  const IndexedTetMesh tets = test::kuhn_lattice(1);
+  const TetAdjacency adjacency = make_adjacency(tets);
+  MixedMesh mesh;
+  mesh.points = tets.points;
+  std::vector<index_t> same(8);
+  for (index_t v = 0; v < 8; ++v) same[v] = v;
+  add(mesh, CellKind::hexahedron, {0, 1, 3, 2, 4, 5, 7, 6});
+  CHECK(verify::keeps_boundary(mesh, same, adjacency));
+  MixedMesh split;
+  split.points = tets.points;
+  for (const auto& t : tets.tets) split.add(CellKind::tetrahedron, t);
+  CHECK(verify::keeps_boundary(split, same, adjacency));
+
+  MixedMesh hole;
+  hole.points = tets.points;
+  for (std::size_t t = 1; t < tets.tets.size(); ++t) hole.add(CellKind::tetrahedron, tets.tets[t]);
+  const auto report = verify::keeps_boundary(hole, same, adjacency);
+  CHECK_FALSE(report);
+  CHECK(report.strange.size() == 2);
+  CHECK(report.missing.size() == 2);
+
+  same[3] = no_index;
+  const auto renamed = verify::keeps_boundary(mesh, same, adjacency);
+  CHECK(renamed.strange.size() == 3);
+  CHECK(renamed.missing.size() == 6);
 }

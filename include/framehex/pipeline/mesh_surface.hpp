@@ -14,13 +14,17 @@
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/cross_field.hpp"
+#include "framehex/surface/input_wedges.hpp"
+#include "framehex/surface/limited_size.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/regions.hpp"
 #include "framehex/surface/retriangulation.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/tetrahedralization/background.hpp"
-#include "framehex/tetrahedralization/tetrahedralizer.hpp"
+#include "framehex/tetrahedralization/flat_tets.hpp"
+#include "framehex/tetrahedralization/repeated.hpp"
 
+#include <exception>
 #include <optional>
 
 namespace framehex {
@@ -57,7 +61,9 @@ struct MeshingOptions {
   std::optional<double> background_edge =
       {};                              ///< > 0, edge of the background mesh; the mean size on the surface when empty
   double max_background_points = 2e7;  ///< refuse an edge that asks for more
-  Observer observer = {};              ///< replaces those of the stages when set
+  /// Least scaled Jacobian, 0 to 0.3, below which sizes shrink where a cell has it, for as long as that helps.
+  double least_quality = 0.05;
+  Observer observer = {};  ///< replaces those of the stages when set
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -72,6 +78,7 @@ struct MeshingOptions {
     RecombineOptions::each_number(o.recombination, visit);
     visit("MeshingOptions::background_edge", o.background_edge, least_positive, largest_finite);
     visit("MeshingOptions::max_background_points", o.max_background_points, 0, unbounded);
+    visit("MeshingOptions::least_quality", o.least_quality, 0, 0.3);
   }
 };
 
@@ -93,12 +100,24 @@ struct MeshingStatistics {
   std::size_t n_tets = 0;                ///< of the second mesh
 };
 
+/// A cell whose scaled Jacobian is below `MeshingOptions::least_quality` all the same.
+struct PoorCell {
+  index_t cell;
+  double quality;
+  Vector3 place;     ///< its centre
+  bool input_angle;  ///< the input has an edge there whose faces enclose an angle that leaves room for no better cell
+};
+
 /// A hex-dominant mesh of the inside of a surface, and how it came about.
 struct MeshingResult {
   Recombination recombination;     ///< `.mesh`, `.selection`, `.assembly`, `.seconds` (of all stages)
   std::vector<Quaternion> frames;  ///< frame at each point of the mesh
   std::vector<double> smoothness;  ///< smoothness of the field there, at most 1
   Csr<Vector3> singular_lines;     ///< of the field, as polylines
+  /// Where the size is smaller than wished, and what it is there: wherever the surface comes too near itself for points of
+  /// the wished size. It grows by 0.3 of the distance from these places.
+  std::vector<SizeLimit> size_limits;
+  std::vector<PoorCell> poor_cells;  ///< ascending
   MeshingStatistics statistics;
   Status status = Status::complete;  ///< cancelled: the mesh is empty
 };
@@ -130,15 +149,7 @@ public:
     refine_surface();
     if (!make_field()) return cancelled();
     if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled();
-    if (!sample_surface()) return cancelled();
-    watch_.lap(seconds_.insertion);
-    if (!retriangulate_surface()) return cancelled();
-    watch_.lap(seconds_.tetrahedralization);
-    if (!fill_volume()) return cancelled();
-    watch_.lap(seconds_.insertion);
-    if (!make_tets()) return cancelled();
-    watch_.lap(seconds_.tetrahedralization);
-    if (!recombine_tets()) return cancelled();
+    if (!make_mesh()) return cancelled();
     sample_field();
     return std::move(result_);
   }
@@ -154,9 +165,117 @@ private:
 
   bool going(std::string_view stage, double fraction) const { return keep_going(options_.observer, stage, fraction); }
 
+  /// Points, tetrahedra and cells. Where cells are poor these are made anew, first without the tetrahedra that lie flat
+  /// under the surface, then with smaller sizes; the best mesh stays.
+  ///
+  /// Ends after `most_rounds`, after two that made it no better, or when smaller sizes would ask for too many points:
+  /// quality is not worth more.
+  bool make_mesh() {
+    constexpr int most_rounds = 5, most_vain = 2;
+    if (!place_points() || !recombine_tets()) return false;
+    for (int round = 0, vain = 0; round < most_rounds && vain < most_vain; ++round) {
+      std::vector<SizeLimit> limits = limits_at_poor_cells();
+      if (limits.empty()) break;
+      MeshingResult before = result_;
+      try {
+        if (peel() == 0) {
+          size_.add(limits);
+          if (asks_for_too_much()) break;
+          if (!place_points()) return false;
+          peel();
+        }
+        if (!recombine_tets()) return false;
+      } catch (const error&) {  // smaller sizes have led nowhere
+        result_ = std::move(before);
+        break;
+      }
+      if (poverty(result_) < poverty(before)) continue;
+      ++vain;
+      result_ = std::move(before);
+    }
+    result_.recombination.seconds = seconds_;
+    return true;
+  }
+
+  /// How far the poor cells that the input's angles do not explain are from what is wanted, taken together.
+  double poverty(const MeshingResult& result) const {
+    double sum = 0;
+    for (const PoorCell& poor : result.poor_cells)
+      if (!poor.input_angle) sum += 1 - poor.quality / options_.least_quality;
+    return sum;
+  }
+
+  /// Sizes for the corners of the poor cells that the input's angles do not explain. Cells between two walls are as poor
+  /// as they are wide for their height, so the poorest ask for a quarter of the size, others for half.
+  std::vector<SizeLimit> limits_at_poor_cells() const {
+    std::vector<SizeLimit> limits;
+    const MixedMesh& mesh = result_.recombination.mesh;
+    index_t hint = no_index;
+    for (const PoorCell& poor : result_.poor_cells) {
+      if (poor.input_angle) continue;
+      const double factor = std::clamp(poor.quality / (2 * options_.least_quality), 0.25, 0.5);
+      for (const index_t v : mesh.cells[poor.cell])
+        limits.push_back({mesh.points[v], factor * checked_size(size_, mesh.points[v], hint)});
+    }
+    return limits;
+  }
+
+  std::size_t peel() {
+    return peel_flat_tets(tets_.mesh, tets_.adjacency, tet_regions_, surface_, options_.least_quality);
+  }
+
+  bool asks_for_too_much() const {
+    return estimate_surface_points(refined_, size_).n_points > 6 * n_points_wished_ + 3000;
+  }
+
+  /// Why points of the size do not do.
+  struct Obstacle {
+    std::vector<Vector3> places;
+    std::exception_ptr failure;  ///< what to throw when smaller sizes help no more; null: there is no obstacle
+    explicit operator bool() const { return failure != nullptr; }
+  };
+
+  /// From samples on the surface to the second tetrahedra. Where the surface comes so near to itself that this fails,
+  /// the size is halved there, and points are placed anew.
+  ///
+  /// Ends after `most_rounds`: a surface that does not cross itself, and has not been meshed when its samples are a
+  /// thousand times nearer to each other than wished, needs more points than anybody has memory for.
+  bool place_points() {
+    constexpr int most_rounds = 10;
+    for (int round = 0;; ++round) {
+      obstacle_ = {};
+      if (!place_once()) return false;
+      if (!obstacle_) return true;
+      if (options_.order == PointOrder::lattice) {
+        use_fronts();  // which may do without smaller sizes
+        continue;
+      }
+      if (round == most_rounds || obstacle_.places.empty()) std::rethrow_exception(obstacle_.failure);
+      std::vector<SizeLimit> halves;
+      index_t hint = no_index;
+      for (const Vector3& p : obstacle_.places) halves.push_back({p, checked_size(size_, p, hint) / 2});
+      size_.add(halves);
+    }
+  }
+
+  /// @return false when cancelled; the stage that fails leaves an obstacle.
+  bool place_once() {
+    if (!sample_surface()) return false;
+    watch_.lap(seconds_.insertion);
+    if (!retriangulate_surface()) return false;
+    watch_.lap(seconds_.tetrahedralization);
+    if (obstacle_) return true;
+    if (!fill_volume()) return false;
+    watch_.lap(seconds_.insertion);
+    if (!make_tets()) return false;
+    watch_.lap(seconds_.tetrahedralization);
+    return true;
+  }
+
   /// Sizes that ask for too much are refused before anything is made of them.
-  void check_sizes() const {
-    check_estimate("surface", estimate_surface_points(input_, size_).n_points, options_.surface.max_points);
+  void check_sizes() {
+    n_points_wished_ = estimate_surface_points(input_, size_).n_points;
+    check_estimate("surface", n_points_wished_, options_.surface.max_points);
     double n_points = 0;
     for (index_t region = 0; region < regions_.n_regions; ++region) {
       const RegionSurface part = region_surface(input_, regions_, region);
@@ -179,25 +298,25 @@ private:
   /// Features are those of the input; the rest works on triangles no longer than the background's.
   void refine_surface() {
     const double edge = background_edge(input_);
-    surface_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
-    result_.statistics.n_feature_curves = surface_.features.curves.size();
-    result_.statistics.n_patches = surface_.features.n_patches;
+    refined_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
+    result_.statistics.n_feature_curves = refined_.features.curves.size();
+    result_.statistics.n_patches = refined_.features.n_patches;
     result_.statistics.n_regions = regions_.n_regions;
   }
 
-  /// Tetrahedra in each region; regions share the vertices of the surface between them.
+  /// Tetrahedra in each region; regions share the vertices of the surface between them. Where that fails it leaves an
+  /// obstacle.
   ///
-  /// @param interior  callable: surface of a region, its number -> points inside.
+  /// @param interior  callable: surface of a region, its number -> points inside, not all of which need be used.
   template <class Interior>
-  Tetrahedralization fill_regions(Interior&& interior) {
+  Tetrahedralization fill_regions(const Surface& surface, Interior&& interior) {
     Tetrahedralization all;
-    all.mesh.points = surface_.points;
+    all.mesh.points = surface.points;
     tet_regions_.clear();
     for (index_t region = 0; region < regions_.n_regions; ++region) {
-      const RegionSurface part = region_surface(surface_, regions_, region);
-      const std::vector<Vector3> points = interior(part.surface, region);
-      Tetrahedralization filled = tetrahedralize(tetrahedralizer_, part.surface, points, options_.observer);
-      if (filled.status != Status::complete) return filled;
+      const RegionSurface part = region_surface(surface, regions_, region);
+      Tetrahedralization filled = fill(part.surface, interior(part.surface, region));
+      if (filled.status != Status::complete || obstacle_) return filled;
       const std::size_t n_surface = part.vertex_of.size(), first = all.mesh.points.size();
       const auto number = [&](index_t v) {
         return v < n_surface ? part.vertex_of[v] : static_cast<index_t>(first + v - n_surface);
@@ -214,20 +333,42 @@ private:
     return all;
   }
 
+  Tetrahedralization fill(const IndexedTriangleMesh& surface, const std::vector<Vector3>& interior) {
+    const auto failed = [&](const error& failure) {
+      obstacle_.failure = std::current_exception();
+      const auto add = [&](std::size_t v) {
+        obstacle_.places.push_back(v < surface.points.size() ? surface.points[v] : interior[v - surface.points.size()]);
+      };
+      for (const std::size_t i : failure.indices()) {
+        if (failure.entity() == Entity::vertex) add(i);
+        if (failure.entity() == Entity::triangle) std::ranges::for_each(surface.triangles[i], add);
+      }
+      return Tetrahedralization{};
+    };
+    try {
+      return tetrahedralize_repeatedly(tetrahedralizer_, surface, interior, options_.observer).result;
+    } catch (const tetrahedralization_error& failure) {
+      return failed(failure);
+    } catch (const invalid_surface& failure) {
+      return failed(failure);
+    }
+  }
+
   /// The background mesh is the field's own business.
   bool make_field() {
     if (!going("background mesh", 0)) return false;
-    const double edge = background_edge(surface_);
-    Tetrahedralization background = fill_regions([&](const IndexedTriangleMesh& part, index_t) {
+    const double edge = background_edge(refined_);
+    Tetrahedralization background = fill_regions(refined_, [&](const IndexedTriangleMesh& part, index_t) {
       const SurfaceLocator own = regions_.n_regions == 1 ? SurfaceLocator() : SurfaceLocator(part);
       return background_points(part, regions_.n_regions == 1 ? locator_ : own, edge, executor_,
                                options_.max_background_points);
     });
+    if (obstacle_) std::rethrow_exception(obstacle_.failure);
     result_.statistics.n_background_tets = background.mesh.tets.size();
     if (background.status != Status::complete) return false;
     watch_.lap(seconds_.background);
 
-    cross_field_ = compute_cross_field(surface_, options_.cross_field);
+    cross_field_ = compute_cross_field(refined_, options_.cross_field);
     if (cross_field_.status == Status::cancelled) return false;
     FieldReport report;
     if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
@@ -239,13 +380,13 @@ private:
       field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), outer, outer_crosses.frames,
                                          options, executor_, &report));
     } else {
-      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), surface_,
+      field_.emplace(compute_frame_field(background.mesh, std::move(background.adjacency), refined_,
                                          cross_field_.frames, options_.field, executor_, &report));
     }
     if (report.status == Status::cancelled) return false;
     // Surface points that follow the volume's idea of the cross meet the volume's points in step.
     if (options_.field.method == FieldMethod::best && options_.field.surface_cross == SurfaceCross::free)
-      cross_field_.frames = surface_crosses(*field_, surface_);
+      cross_field_.frames = surface_crosses(*field_, refined_);
     note_field();
     watch_.lap(seconds_.field);
     return true;
@@ -261,7 +402,7 @@ private:
   std::pair<Surface, std::vector<index_t>> outer_boundary() const {
     SurfaceRegions outer = regions_;
     for (auto& [behind, front] : outer.sides) behind = front == no_index ? 0 : 1;
-    RegionSurface part = region_surface(surface_, outer, 0);
+    RegionSurface part = region_surface(refined_, outer, 0);
     return {Surface(part.surface, {.angle = options_.features.angle, .corner_angle = options_.features.corner_angle}),
             std::move(part.vertex_of)};
   }
@@ -286,7 +427,7 @@ private:
       return true;
     }
     LatticeReport report;
-    lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), surface_, size_, options_.lattice,
+    lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), refined_, size_, options_.lattice,
                              executor_, &report);
     result_.statistics.lattice_volume = lattice_.complete_volume;
     constexpr double least_volume = 0.5;
@@ -304,16 +445,16 @@ private:
   bool sample_surface() {
     if (!going("surface insertion", 0)) return false;
     if (options_.order == PointOrder::lattice) {
-      const CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves, &lattice_.curves);
-      samples_ = fill_lattice_surface(surface_, cross_field_.frames, cross_field_.smoothness, curves, size_, lattice_,
+      const CurveInsertion curves = insert_curve_points(refined_, size_, options_.curves, &lattice_.curves);
+      samples_ = fill_lattice_surface(refined_, cross_field_.frames, cross_field_.smoothness, curves, size_, lattice_,
                                       options_.surface);
       result_.statistics.n_surface_points = samples_.samples.size();
       return samples_.status != Status::cancelled;
     }
-    const CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves);
-    const SurfaceCrossField cross = std::exchange(cross_field_, {});
+    const CurveInsertion curves = insert_curve_points(refined_, size_, options_.curves);
     const auto insert = [&](auto order) {
-      return insert_surface_points(surface_, cross.frames, cross.smoothness, curves, size_, options_.surface, order);
+      return insert_surface_points(refined_, cross_field_.frames, cross_field_.smoothness, curves, size_,
+                                   options_.surface, order);
     };
     samples_ = options_.order == PointOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
     result_.statistics.n_surface_points = samples_.samples.size();
@@ -322,24 +463,24 @@ private:
 
   bool retriangulate_surface() {
     if (!going("retriangulation", 0)) return false;
-    Retriangulation again = retriangulate(surface_, samples_.samples, options_.retriangulation);
+    Retriangulation again = retriangulate(refined_, samples_.samples, options_.retriangulation);
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_repair_vertices = again.n_added;
-    if (again.n_crossings > 0 && options_.order == PointOrder::lattice) {
-      use_fronts();
-      return sample_surface() && retriangulate_surface();
-    }
-    if (again.n_crossings > 0)
-      throw invalid_surface(
-          "the surface crosses itself, or comes so near to itself that triangles of the wished size do (" +
-          std::to_string(again.n_crossings) + " pairs); use a smaller size");
     surface_ = std::move(again.surface);
+    if (again.crossings.empty()) return true;
+    obstacle_.failure = std::make_exception_ptr(
+        invalid_surface("the surface crosses itself, or comes so near to itself that triangles of any size do (" +
+                        std::to_string(again.crossings.size()) + " pairs)"));
+    for (const auto& pair : again.crossings)
+      for (const index_t t : pair)
+        for (const index_t v : surface_.triangles()[t]) obstacle_.places.push_back(surface_.points[v]);
     return true;
   }
 
   bool fill_volume() {
     seeds_ = std::exchange(samples_, {}).seeds();
     interior_.clear();
+    result_.statistics.n_volume_points = 0;
     for (index_t region = 0; region < regions_.n_regions; ++region) {
       const RegionSurface part = region_surface(surface_, regions_, region);
       const std::vector<BoundarySeed> seeds = seeds_of(part, region);
@@ -377,8 +518,8 @@ private:
   }
 
   bool make_tets() {
-    tets_ =
-        fill_regions([&](const IndexedTriangleMesh&, index_t region) { return std::exchange(interior_[region], {}); });
+    tets_ = fill_regions(
+        surface_, [&](const IndexedTriangleMesh&, index_t region) { return std::exchange(interior_[region], {}); });
     interior_.clear();
     result_.statistics.n_tets = tets_.mesh.tets.size();
     return tets_.status == Status::complete;
@@ -397,7 +538,6 @@ private:
       for (std::size_t i = 0; i + 1 < row.size(); ++i)
         edges.push_back({{row[i], row[i + 1]}, static_cast<index_t>(curve)});
     }
-    surface_ = {};
     RecombineOptions options = options_.recombination;
     options.assembly.vertex_numbers = VertexNumbers::compact;  // nobody knows the tetrahedra's
     options.faces = faces;
@@ -407,13 +547,43 @@ private:
     if (options.assembly.improvement == ImprovementMode::improve && !options.assembly.boundary_projection)
       options.assembly.boundary_projection = boundary_slider(edges);
     result_.recombination = recombine(tets_.mesh, options, executor_);
+    const StageSeconds& s = result_.recombination.seconds;
+    seconds_.search += s.search;
+    seconds_.selection += s.selection;
+    seconds_.assembly += s.assembly;
+    watch_ = {};
+    if (result_.recombination.status != Status::complete) return false;
     name_patches();
-    StageSeconds& s = result_.recombination.seconds;
-    s.background = seconds_.background;
-    s.field = seconds_.field;
-    s.insertion = seconds_.insertion;
-    s.tetrahedralization = seconds_.tetrahedralization;
-    return result_.recombination.status == Status::complete;
+    note_poor_cells();
+    result_.size_limits = size_.limits();
+    return true;
+  }
+
+  void note_poor_cells() {
+    result_.poor_cells.clear();
+    const MixedMesh& mesh = result_.recombination.mesh;
+    std::array<Vector3, 8> corners;
+    for (index_t cell = 0; cell < mesh.n_cells(); ++cell) {
+      const auto row = mesh.cells[cell];
+      Vector3 centre = Vector3::Zero();
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        corners[i] = mesh.points[row[i]];
+        centre += corners[i] / static_cast<double>(row.size());
+      }
+      const std::span<const Vector3> p(corners.data(), row.size());
+      const double quality = scaled_jacobian(mesh.kinds[cell], p);
+      if (quality < options_.least_quality)
+        result_.poor_cells.push_back({cell, quality, centre, std::ranges::any_of(p, [&](const Vector3& corner) {
+                                        return is_in_wedge(corner);
+                                      })});
+    }
+  }
+
+  /// Is a point so near to an edge of the input where two faces enclose a small angle that there is no room for cells of
+  /// the size?
+  bool is_in_wedge(const Vector3& p) {
+    if (!wedges_) wedges_.emplace(input_, regions_);
+    return wedges_->hold(p, size_(p));
   }
 
   /// Faces get the host's labels where it has given some.
@@ -442,7 +612,7 @@ private:
   }
 
   const T& tetrahedralizer_;
-  const Size& size_;
+  LimitedSize<Size> size_;
   MeshingOptions options_;
   const E& executor_;
 
@@ -451,13 +621,17 @@ private:
   MeshingResult result_;
   // Each stage takes what it needs and lets go of what no later one reads.
   Surface input_;
-  SurfaceRegions regions_;  // of the input's patches, and of those made of them
-  SurfaceLocator locator_;  // of the input
-  Surface surface_;         // the input with short edges, then its new triangulation
+  SurfaceRegions regions_;             // of the input's patches, and of those made of them
+  SurfaceLocator locator_;             // of the input
+  std::optional<InputWedges> wedges_;  // of the input, when they are asked for
+  double n_points_wished_ = 0;         // on the surface, about
+  Surface refined_;                    // the input with short edges
   SurfaceCrossField cross_field_;
   std::optional<Field> field_;
   LatticePoints lattice_;
+  Obstacle obstacle_;
   SurfaceInsertion samples_;
+  Surface surface_;                             // the triangulation through them
   std::vector<BoundarySeed> seeds_;             // one a sample
   std::vector<std::vector<Vector3>> interior_;  // of each region
   Tetrahedralization tets_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/assemble.hpp"
 #include "framehex/mesh/labels.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/option_ranges.hpp"
+#include "framehex/pipeline/detail/sound_assembly.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/candidate_weights.hpp"
@@ -49,6 +49,7 @@ struct Recombination {
   Selection selection;
   std::vector<OpenInterface> open;  ///< quadrilaterals that face two triangles, in mode `open`
   AssemblyStatistics assembly;
+  std::size_t n_given_up = 0;  ///< chosen hexahedra left out because a mesh with them did not pass its check
   StageSeconds seconds;
   Status status = Status::complete;
 };
@@ -86,9 +87,13 @@ inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const Labelled
 ///
 /// @param mesh     n tetrahedra; validated first.
 /// @param options  quality floor, selection, interfaces, labels of facets and edges of the mesh.
+/// The mesh is checked before it is handed out: it conforms (but for the quadrilaterals listed in mode `open`), every cell is
+/// valid by the exact test, boundary and volume are the host's.
+///
 /// @return the mixed mesh, and which cells and vertices of the host its own are; it fills the same volume. When cancelled the mesh is empty and `status` says so.
 /// @throws what `validate` throws, before any work; `invalid_option` for a number outside its range, labels of regions of
-///         another count, or with the position of a labelled face or edge that is none of the mesh.
+///         another count, or with the position of a labelled face or edge that is none of the mesh; `unsound_mesh`
+///         when the result does not pass its check, which would be a defect.
 /// @par Complexity   O(n) for the search and the assembly; the selection has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 template <TetMesh M, Executor E = SerialExecutor>
@@ -132,7 +137,12 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   std::vector<index_t> all(members.size());
   std::iota(all.begin(), all.end(), index_t{0});
 
-  Assembly assembly = assemble(mesh, adjacency, candidates, all, options.assembly);
+  const auto assemble_chosen = [&](std::span<const index_t> selected, const AssemblyOptions& how) {
+    return assemble(mesh, adjacency, candidates, selected, how);
+  };
+  auto [assembly, n_given_up] =
+      detail::assemble_soundly(assemble_chosen, adjacency, candidates, std::move(all), options.assembly);
+  result.n_given_up = n_given_up;
   watch.lap(result.seconds.assembly);
   if (assembly.status == Status::cancelled) return cancelled();
   result.mesh = std::move(assembly.mesh);

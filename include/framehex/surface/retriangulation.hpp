@@ -16,7 +16,7 @@ struct Retriangulation {
   std::size_t n_unremoved = 0;  ///< input vertices that are no samples and had to stay
   std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface near the input and from crossing
                                 ///< itself
-  std::size_t n_crossings = 0;  ///< pairs of triangles that cross all the same
+  std::vector<std::array<index_t, 2>> crossings;  ///< pairs of triangles that cross all the same
 };
 
 /// What a retriangulation may do.
@@ -61,11 +61,11 @@ public:
     const double tolerance = options_.max_deviation * diagonal_;
     if (std::isfinite(tolerance))
       SurfaceFit(surface_, normals_, remover.flipper(), features_, tolerance).run(fit_rounds);
-    std::size_t n_crossings = 0;
+    std::vector<std::array<index_t, 2>> crossings;
     if (options_.repair_rounds >= 0)
-      n_crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper()).run(options_.repair_rounds);
+      crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper()).run(options_.repair_rounds);
     Retriangulation r = result();
-    r.n_crossings = n_crossings;
+    r.crossings = std::move(crossings);
     return r;
   }
 

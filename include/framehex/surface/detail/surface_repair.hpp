@@ -80,8 +80,8 @@ public:
   /// Gives up as well when the triangles that cross grow in number: then the input itself crosses there, and each round
   /// would double them.
   ///
-  /// @return number of triangle pairs that still cross after at most `max_rounds` rounds.
-  std::size_t run(int max_rounds) {
+  /// @return the pairs of triangles that still cross after at most `max_rounds` rounds, numbered among the living.
+  std::vector<std::array<index_t, 2>> run(int max_rounds) {
     std::vector<index_t> crossing = crossing_triangles();
     const std::size_t most = 4 * crossing.size() + 100;
     for (int round = 0; round < max_rounds && !crossing.empty() && crossing.size() <= most; ++round) {
@@ -92,7 +92,7 @@ public:
       crossing = crossing_triangles();
     }
     merge_added();
-    return n_pairs_;
+    return std::move(pairs_);
   }
 
 private:
@@ -106,10 +106,9 @@ private:
       auto& triangle = mesh.triangles.emplace_back(surface_.corners[t]);
       for (index_t& v : triangle) v = surface_.name[v];
     }
-    const auto pairs = find_self_intersections(mesh);
-    n_pairs_ = pairs.size();
+    pairs_ = find_self_intersections(mesh);
     std::vector<index_t> crossing;
-    for (const auto& pair : pairs)
+    for (const auto& pair : pairs_)
       for (const index_t t : pair) crossing.push_back(triangle_of[t]);
     std::sort(crossing.begin(), crossing.end());
     crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
@@ -237,7 +236,7 @@ private:
   CurveChains& chains_;
   DelaunayFlipper& flipper_;
   BoxTree tree_;
-  std::size_t n_pairs_ = 0;
+  std::vector<std::array<index_t, 2>> pairs_;          // that crossed when it was looked last
   std::unordered_map<std::uint64_t, Piece> pieces_;    // by edge; looked up only, never walked over
   std::vector<std::vector<CurveChains::Link>> added_;  // by curve
 };
