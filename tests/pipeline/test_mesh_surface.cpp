@@ -10,6 +10,7 @@
 #include "support/ply.hpp"
 #include "support/stl.hpp"
 #include "support/surface_samples.hpp"
+#include "support/surfaces.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -371,4 +372,121 @@ TEST_CASE("meshing a surface is heard of all the time", "[pipeline][progress]") 
   options.order = GENERATE(PointOrder::smoothness, PointOrder::lattice);
   mesh_surface(bunny, ConstantSize{0.26}, TetgenProcess{}, options);
   listener.check_silences();
+}
+
+namespace {
+
+/// A square plate as thin as a few ten thousandths of its side, bent so much that triangles of the wished size cut through
+/// it.
+IndexedTriangleMesh bent_sheet() {
+  IndexedTriangleMesh sheet = test::box_surface({1, 1, 0.0005}, 12, 12, 1);
+  for (Vector3& p : sheet.points) p.z() += 0.08 * std::sin(4.4 * p.x()) * std::sin(4.4 * p.y());
+  return sheet;
+}
+
+/// A ball with a round void that leaves a wall of `wall` on one side.
+IndexedTriangleMesh hollow_ball(double wall) {
+  IndexedTriangleMesh ball = test::sphere_surface(1, 4);
+  const IndexedTriangleMesh inner = test::sphere_surface(0.6, 4);
+  const auto first = static_cast<index_t>(ball.points.size());
+  for (const Vector3& p : inner.points) ball.points.push_back(p + Vector3(0.4 - wall, 0, 0));
+  for (const auto& t : inner.triangles) ball.triangles.push_back({first + t[0], first + t[2], first + t[1]});
+  return ball;
+}
+
+void check_sound(const MeshingResult& result) {
+  const MixedMesh& mesh = result.recombination.mesh;
+  CHECK(mesh.n_cells() > 0);
+  CHECK(verify::is_conforming(mesh));
+  CHECK(verify::is_valid(mesh));
+}
+
+}  // namespace
+
+TEST_CASE("a body so thin that its triangles would cross is meshed with smaller sizes, and it is told where") {
+  MeshingOptions options;
+  options.least_quality = 0;  // its cells are a matter of their own
+  options.recombination.assembly.improvement = ImprovementMode::none;
+  const MeshingResult result = mesh_surface(bent_sheet(), Constant{0.4}, TetgenProcess{}, options);
+  check_sound(result);
+  REQUIRE_FALSE(result.size_limits.empty());
+  CHECK(verify::volume(result.recombination.mesh).cells == Approx(0.0005).epsilon(0.05));
+  for (const SizeLimit& limit : result.size_limits) {
+    CHECK(limit.length <= 0.2);
+    CHECK(limit.length >= 0.4 / 1024);
+    CHECK(SurfaceLocator(bent_sheet()).nearest(limit.place).distance < 0.1);
+  }
+}
+
+TEST_CASE("a flat plate much thinner than a hundredth of the size needs no smaller one") {
+  const MeshingResult result = mesh_surface(box({1.1, 0.83, 0.001}, 0.4), Constant{0.3}, TetgenProcess{});
+  check_sound(result);
+  CHECK(result.size_limits.empty());
+  CHECK(result.poor_cells.empty());
+  CHECK(n_of(result.recombination.mesh, CellKind::hexahedron) == result.recombination.mesh.n_cells());
+}
+
+TEST_CASE("a wall too thin for good cells of the size gets smaller ones, there only") {
+  const MeshingResult result = mesh_surface(hollow_ball(0.003), Constant{0.4}, TetgenProcess{});
+  check_sound(result);
+  CHECK(result.poor_cells.empty());
+  const verify::ValidityReport valid = verify::is_valid(result.recombination.mesh);
+  CHECK(valid);
+  std::array<Vector3, 8> corners;
+  for (index_t cell = 0; cell < result.recombination.mesh.n_cells(); ++cell) {
+    const auto row = result.recombination.mesh.cells[cell];
+    for (std::size_t i = 0; i < row.size(); ++i) corners[i] = result.recombination.mesh.points[row[i]];
+    CHECK(scaled_jacobian(result.recombination.mesh.kinds[cell], {corners.data(), row.size()}) >= 0.05);
+  }
+  REQUIRE_FALSE(result.size_limits.empty());
+  for (const SizeLimit& limit : result.size_limits) CHECK(limit.place.x() > 0.4);
+}
+
+TEST_CASE("cells in a wedge of the input are poor, and named, and the sizes stay") {
+  const double angle = 0.03;
+  const IndexedTriangleMesh splinter =
+      test::extruded_polygon({{0, 0}, {1, 0}, {std::cos(angle), std::sin(angle)}}, 0.5);
+  const MeshingResult result = mesh_surface(splinter, Constant{0.1}, TetgenProcess{});
+  check_sound(result);
+  CHECK(result.size_limits.empty());
+  REQUIRE_FALSE(result.poor_cells.empty());
+  for (const PoorCell& poor : result.poor_cells) {
+    CHECK(poor.input_angle);
+    CHECK(poor.quality < 0.05);
+    CHECK(poor.place.x() * angle < 0.05);
+  }
+}
+
+namespace {
+
+/// TetGen, but for the second mesh it loses the triangles at the origin that have a long edge.
+struct Picky {
+  double longest;
+  int* n_calls;
+
+  TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
+    TetrahedralizationResult result = TetgenProcess{}(request);
+    if ((*n_calls)++ == 0) return result;  // the background
+    const auto is_lost = [&](const std::array<index_t, 4>& t) {
+      bool at_origin = false, has_long_edge = false;
+      for (const index_t v : t) {
+        at_origin = at_origin || request.points[v].norm() < 1e-9;
+        for (const index_t w : t)
+          has_long_edge = has_long_edge || (request.points[v] - request.points[w]).norm() > longest;
+      }
+      return at_origin && has_long_edge;
+    };
+    std::erase_if(result.tets, is_lost);
+    return result;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("where the tetrahedraliser loses triangles of the surface the size shrinks, until it does not") {
+  int n_calls = 0;
+  const MeshingResult result = mesh_surface(test::box_surface({2, 2, 2}), Constant{0.5}, Picky{0.5, &n_calls});
+  check_sound(result);
+  REQUIRE_FALSE(result.size_limits.empty());
+  for (const SizeLimit& limit : result.size_limits) CHECK(limit.place.norm() < 1.1);
 }

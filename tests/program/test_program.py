@@ -563,6 +563,40 @@ class TestField(Case):
             np.testing.assert_allclose(np.abs(out.point_data["frame_x"]).max(axis=1), 1, atol=1e-6)
 
 
+class TestCampaign(Case):
+    CAMPAIGN = pathlib.Path(__file__).resolve().parents[2] / "benchmarks" / "campaign.py"
+
+    def campaign(self, *surfaces):
+        return subprocess.run(["python3", self.CAMPAIGN, "--program", PROGRAM, "--results", self.path("results"), "--cells",
+                               "60", "300", "--limit", "120", *surfaces], capture_output=True, text=True)
+
+    def test_surfaces_are_meshed_once_and_judged(self):
+        write_stl(self.path("box.stl"), *box((2, 1, 1)))
+        write_stl(self.path("thin.stl"), *box((2, 1, 0.001)))
+        points, triangles = box()
+        write_stl(self.path("open.stl"), points, triangles[1:])
+        write_stl(self.path("wedge.stl"), [(0, 0, 0), (1, 0, 0), (1, 0.03, 0), (0, 0, 1), (1, 0, 1), (1, 0.03, 1)],
+                  [(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
+        names = [self.path(n) for n in ("box.stl", "thin.stl", "open.stl", "wedge.stl")]
+        first = self.campaign(*names)
+        self.assertEqual(first.returncode, 0, first.stdout)
+        self.assertEqual(first.stdout.splitlines()[-1], "2 listed, 4 ok, 2 refused", first.stdout)
+        start = time.monotonic()
+        again = self.campaign(*names)
+        self.assertEqual(again.stdout, first.stdout)
+        self.assertLess(time.monotonic() - start, 10)  # reads what is there
+
+    def test_a_wrong_result_is_told(self):
+        write_stl(self.path("box.stl"), *box())
+        (self.folder / "results").mkdir()
+        told = {"surface": "box.stl", "asked": 60, "status": 0, "message": "", "seconds": 1, "cells": 1, "hexahedra": 1,
+                "hexahedra_volume": 1, "least": 1, "faults": 1, "places_below": 0, "size_limits": 0}
+        (self.folder / "results" / "box-60.json").write_text(json.dumps(told))
+        result = self.campaign(self.path("box.stl"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("1 INVALID, 1 ok", result.stdout)
+
+
 class TestInspect(Case):
     def test_faults_are_counted(self):
         points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0.5, 0.5, 2)]

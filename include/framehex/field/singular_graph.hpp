@@ -107,7 +107,7 @@ private:
     double alignment = 0;
     const bool from_end = is_end(graph_.facets[f].tets[side]);
     if (from_end) add_node(graph_.facets[f].tets[side]);
-    while (true) {
+    while (true) {  // a line goes through each facet once, and comes to an end or back to its start
       const SingularFacet& facet = graph_.facets[f];
       visited_[f] = 1;
       graph_.curves.values.push_back(f);

@@ -368,7 +368,7 @@ private:
     constexpr double batch = 0.25, margin = 0.05;  // steps: clear cases at once, then those that are much alike
     const std::size_t n_charts = charts_.charts.size();
     std::vector<double> excesses(n_charts);
-    while (true) {
+    while (true) {  // each time at least the chart nearest to a whole number is fixed
       double least = 1;
       for (index_t c = 0; c < n_charts; ++c) {
         if (chart_is_fixed_[c]) continue;

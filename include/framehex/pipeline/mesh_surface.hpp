@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/field/compute_frame_field.hpp"
 #include "framehex/field/singular_graph.hpp"
 #include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
@@ -9,118 +8,20 @@
 #include "framehex/insertion/lattice_filling.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
-#include "framehex/lattice/periodic_parameterization.hpp"
-#include "framehex/option_ranges.hpp"
-#include "framehex/pipeline/recombine.hpp"
+#include "framehex/pipeline/detail/obstacle.hpp"
+#include "framehex/pipeline/detail/poor_cells.hpp"
+#include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/surface/boundary_slider.hpp"
-#include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/input_wedges.hpp"
-#include "framehex/surface/limited_size.hpp"
 #include "framehex/surface/refinement.hpp"
 #include "framehex/surface/regions.hpp"
-#include "framehex/surface/retriangulation.hpp"
-#include "framehex/surface/surface.hpp"
 #include "framehex/tetrahedralization/background.hpp"
 #include "framehex/tetrahedralization/flat_tets.hpp"
 #include "framehex/tetrahedralization/repeated.hpp"
 
-#include <exception>
 #include <optional>
 
 namespace framehex {
-
-/// How points are placed: by fronts, in the order in which points propose their neighbours, or all at once.
-enum class PointOrder {
-  fifo,        ///< first in, first out: layer by layer from the boundary
-  smoothness,  ///< where the frame field is smoothest first
-  lattice      ///< of one lattice for the whole volume, filled in order of smoothness where it has gaps
-};
-
-/// Whether the frame field follows the interfaces between regions.
-enum class InterfaceFrames {
-  aligned,  ///< as it follows the boundary
-  free,     ///< it passes through them
-};
-
-/// Options of all stages; each stage's own options say more.
-///
-/// What refers to vertices or tetrahedra of a mesh by number (`field.vertex_of`; labels and `finder.free_tets` of
-/// `recombination`) is not looked at: the meshes are made on the way.
-struct MeshingOptions {
-  FeatureOptions features = {};
-  CrossFieldOptions cross_field = {};
-  FieldOptions field = {};
-  InterfaceFrames interfaces = InterfaceFrames::aligned;
-  PointOrder order = PointOrder::smoothness;
-  LatticeOptions lattice = {};
-  CurveOptions curves = {};
-  SurfaceOptions surface = {};
-  RetriangulationOptions retriangulation = {};
-  VolumeOptions volume = {};
-  RecombineOptions recombination = {};  ///< its boundary projection, when empty, becomes one to the surface
-  std::optional<double> background_edge =
-      {};                              ///< > 0, edge of the background mesh; the mean size on the surface when empty
-  double max_background_points = 2e7;  ///< refuse an edge that asks for more
-  /// Least scaled Jacobian, 0 to 0.3, below which sizes shrink where a cell has it, for as long as that helps.
-  double least_quality = 0.05;
-  Observer observer = {};  ///< replaces those of the stages when set
-
-  template <class Options, class Visit>
-  static void each_number(Options& o, Visit&& visit) {
-    FeatureOptions::each_number(o.features, visit);
-    CrossFieldOptions::each_number(o.cross_field, visit);
-    FieldOptions::each_number(o.field, visit);
-    LatticeOptions::each_number(o.lattice, visit);
-    CurveOptions::each_number(o.curves, visit);
-    SurfaceOptions::each_number(o.surface, visit);
-    RetriangulationOptions::each_number(o.retriangulation, visit);
-    VolumeOptions::each_number(o.volume, visit);
-    RecombineOptions::each_number(o.recombination, visit);
-    visit("MeshingOptions::background_edge", o.background_edge, least_positive, largest_finite);
-    visit("MeshingOptions::max_background_points", o.max_background_points, 0, unbounded);
-    visit("MeshingOptions::least_quality", o.least_quality, 0, 0.3);
-  }
-};
-
-/// What the stages found on their way.
-struct MeshingStatistics {
-  std::size_t n_feature_curves = 0;
-  std::size_t n_patches = 0;
-  std::size_t n_regions = 0;
-  std::size_t n_background_tets = 0;
-  double smoothness_mean = 0;  ///< over the background vertices
-  double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
-  double dirichlet_energy = 0;
-  std::size_t n_singular_edges = 0;  ///< facets through which a singular line of the field passes
-  double lattice_volume = 0;  ///< share of the volume in which the lattice is regular; 0 also where fronts replace it
-  std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
-  std::size_t n_volume_points = 0;
-  std::size_t n_unremoved_vertices = 0;  ///< vertices of the input that the retriangulation had to keep
-  std::size_t n_repair_vertices = 0;     ///< added where triangles of the wished size would leave the input, or cross
-  std::size_t n_tets = 0;                ///< of the second mesh
-};
-
-/// A cell whose scaled Jacobian is below `MeshingOptions::least_quality` all the same.
-struct PoorCell {
-  index_t cell;
-  double quality;
-  Vector3 place;     ///< its centre
-  bool input_angle;  ///< the input has an edge there whose faces enclose an angle that leaves room for no better cell
-};
-
-/// A hex-dominant mesh of the inside of a surface, and how it came about.
-struct MeshingResult {
-  Recombination recombination;     ///< `.mesh`, `.selection`, `.assembly`, `.seconds` (of all stages)
-  std::vector<Quaternion> frames;  ///< frame at each point of the mesh
-  std::vector<double> smoothness;  ///< smoothness of the field there, at most 1
-  Csr<Vector3> singular_lines;     ///< of the field, as polylines
-  /// Where the size is smaller than wished, and what it is there: wherever the surface comes too near itself for points of
-  /// the wished size. It grows by 0.3 of the distance from these places.
-  std::vector<SizeLimit> size_limits;
-  std::vector<PoorCell> poor_cells;  ///< ascending
-  MeshingStatistics statistics;
-  Status status = Status::complete;  ///< cancelled: the mesh is empty
-};
 
 namespace detail {
 
@@ -172,9 +73,11 @@ private:
   /// quality is not worth more.
   bool make_mesh() {
     constexpr int most_rounds = 5, most_vain = 2;
+    const double wanted = options_.least_quality;
+    const auto peel = [&] { return peel_flat_tets(tets_.mesh, tets_.adjacency, tet_regions_, surface_, wanted); };
     if (!place_points() || !recombine_tets()) return false;
     for (int round = 0, vain = 0; round < most_rounds && vain < most_vain; ++round) {
-      std::vector<SizeLimit> limits = limits_at_poor_cells();
+      const auto limits = limits_at_poor_cells(result_.poor_cells, result_.recombination.mesh, wanted, size_);
       if (limits.empty()) break;
       MeshingResult before = result_;
       try {
@@ -189,7 +92,7 @@ private:
         result_ = std::move(before);
         break;
       }
-      if (poverty(result_) < poverty(before)) continue;
+      if (poverty(result_.poor_cells, wanted) < poverty(before.poor_cells, wanted)) continue;
       ++vain;
       result_ = std::move(before);
     }
@@ -197,43 +100,9 @@ private:
     return true;
   }
 
-  /// How far the poor cells that the input's angles do not explain are from what is wanted, taken together.
-  double poverty(const MeshingResult& result) const {
-    double sum = 0;
-    for (const PoorCell& poor : result.poor_cells)
-      if (!poor.input_angle) sum += 1 - poor.quality / options_.least_quality;
-    return sum;
-  }
-
-  /// Sizes for the corners of the poor cells that the input's angles do not explain. Cells between two walls are as poor
-  /// as they are wide for their height, so the poorest ask for a quarter of the size, others for half.
-  std::vector<SizeLimit> limits_at_poor_cells() const {
-    std::vector<SizeLimit> limits;
-    const MixedMesh& mesh = result_.recombination.mesh;
-    index_t hint = no_index;
-    for (const PoorCell& poor : result_.poor_cells) {
-      if (poor.input_angle) continue;
-      const double factor = std::clamp(poor.quality / (2 * options_.least_quality), 0.25, 0.5);
-      for (const index_t v : mesh.cells[poor.cell])
-        limits.push_back({mesh.points[v], factor * checked_size(size_, mesh.points[v], hint)});
-    }
-    return limits;
-  }
-
-  std::size_t peel() {
-    return peel_flat_tets(tets_.mesh, tets_.adjacency, tet_regions_, surface_, options_.least_quality);
-  }
-
   bool asks_for_too_much() const {
     return estimate_surface_points(refined_, size_).n_points > 6 * n_points_wished_ + 3000;
   }
-
-  /// Why points of the size do not do.
-  struct Obstacle {
-    std::vector<Vector3> places;
-    std::exception_ptr failure;  ///< what to throw when smaller sizes help no more; null: there is no obstacle
-    explicit operator bool() const { return failure != nullptr; }
-  };
 
   /// From samples on the surface to the second tetrahedra. Where the surface comes so near to itself that this fails,
   /// the size is halved there, and points are placed anew.
@@ -251,10 +120,7 @@ private:
         continue;
       }
       if (round == most_rounds || obstacle_.places.empty()) std::rethrow_exception(obstacle_.failure);
-      std::vector<SizeLimit> halves;
-      index_t hint = no_index;
-      for (const Vector3& p : obstacle_.places) halves.push_back({p, checked_size(size_, p, hint) / 2});
-      size_.add(halves);
+      size_.add(halved_sizes(obstacle_, size_));
     }
   }
 
@@ -267,9 +133,9 @@ private:
     if (obstacle_) return true;
     if (!fill_volume()) return false;
     watch_.lap(seconds_.insertion);
-    if (!make_tets()) return false;
+    const bool complete = make_tets();
     watch_.lap(seconds_.tetrahedralization);
-    return true;
+    return complete;
   }
 
   /// Sizes that ask for too much are refused before anything is made of them.
@@ -334,24 +200,14 @@ private:
   }
 
   Tetrahedralization fill(const IndexedTriangleMesh& surface, const std::vector<Vector3>& interior) {
-    const auto failed = [&](const error& failure) {
-      obstacle_.failure = std::current_exception();
-      const auto add = [&](std::size_t v) {
-        obstacle_.places.push_back(v < surface.points.size() ? surface.points[v] : interior[v - surface.points.size()]);
-      };
-      for (const std::size_t i : failure.indices()) {
-        if (failure.entity() == Entity::vertex) add(i);
-        if (failure.entity() == Entity::triangle) std::ranges::for_each(surface.triangles[i], add);
-      }
-      return Tetrahedralization{};
-    };
     try {
       return tetrahedralize_repeatedly(tetrahedralizer_, surface, interior, options_.observer).result;
     } catch (const tetrahedralization_error& failure) {
-      return failed(failure);
+      obstacle_ = failed_tetrahedralization(failure, surface, interior);
     } catch (const invalid_surface& failure) {
-      return failed(failure);
+      obstacle_ = failed_tetrahedralization(failure, surface, interior);
     }
+    return {};
   }
 
   /// The background mesh is the field's own business.
@@ -467,13 +323,7 @@ private:
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_repair_vertices = again.n_added;
     surface_ = std::move(again.surface);
-    if (again.crossings.empty()) return true;
-    obstacle_.failure = std::make_exception_ptr(
-        invalid_surface("the surface crosses itself, or comes so near to itself that triangles of any size do (" +
-                        std::to_string(again.crossings.size()) + " pairs)"));
-    for (const auto& pair : again.crossings)
-      for (const index_t t : pair)
-        for (const index_t v : surface_.triangles()[t]) obstacle_.places.push_back(surface_.points[v]);
+    if (!again.crossings.empty()) obstacle_ = crossing_triangles(surface_, again.crossings);
     return true;
   }
 
@@ -554,29 +404,10 @@ private:
     watch_ = {};
     if (result_.recombination.status != Status::complete) return false;
     name_patches();
-    note_poor_cells();
+    result_.poor_cells = find_poor_cells(result_.recombination.mesh, options_.least_quality,
+                                         [this](const Vector3& p) { return is_in_wedge(p); });
     result_.size_limits = size_.limits();
     return true;
-  }
-
-  void note_poor_cells() {
-    result_.poor_cells.clear();
-    const MixedMesh& mesh = result_.recombination.mesh;
-    std::array<Vector3, 8> corners;
-    for (index_t cell = 0; cell < mesh.n_cells(); ++cell) {
-      const auto row = mesh.cells[cell];
-      Vector3 centre = Vector3::Zero();
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        corners[i] = mesh.points[row[i]];
-        centre += corners[i] / static_cast<double>(row.size());
-      }
-      const std::span<const Vector3> p(corners.data(), row.size());
-      const double quality = scaled_jacobian(mesh.kinds[cell], p);
-      if (quality < options_.least_quality)
-        result_.poor_cells.push_back({cell, quality, centre, std::ranges::any_of(p, [&](const Vector3& corner) {
-                                        return is_in_wedge(corner);
-                                      })});
-    }
   }
 
   /// Is a point so near to an edge of the input where two faces enclose a small angle that there is no room for cells of

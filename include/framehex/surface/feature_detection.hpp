@@ -66,7 +66,7 @@ public:
       ++before[component[e]];
       if (edges_[e].given) keep[component[e]] = 1;
     }
-    while (prune_strays(stray_edges)) {
+    while (prune_strays(stray_edges)) {  // each time there are fewer edges
     }
     for (std::size_t e = 0; e < edges_.size(); ++e) after[component[e]] += edges_[e].alive;
     // What frays at its ends is noise throughout, and so is a loop about a single triangle.

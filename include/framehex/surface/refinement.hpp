@@ -56,6 +56,7 @@ public:
       const index_t twin = surface_.opposite[h];
       if (twin == no_index || h < twin) offer(h);
     }
+    // Each cut halves an edge that is too long, and flips only make edges shorter; `max_triangles` is the bound in any case.
     while (!queue_.empty()) {
       const Long edge = queue_.top();
       queue_.pop();
@@ -141,7 +142,8 @@ private:
     flip_doubtful(Offer::yes);
   }
 
-  /// Flips edges between coplanar triangles until they are Delaunay. No vertex moves, so the shape stays.
+  /// Flips edges between coplanar triangles until they are Delaunay. No vertex moves, so the shape stays. In one plane that
+  /// ends by itself; nearly in one it need not, and a budget ends it.
   void flip_doubtful(Offer offers) {
     std::size_t budget = 64 + 20 * doubtful_.size();
     while (!doubtful_.empty()) {

@@ -31,7 +31,7 @@ public:
   }
 
   /// Adds all cells that hide a face from a point, until every face is seen with a least quality, or gives up when they
-  /// are too many.
+  /// are too many: each turn adds one at least.
   bool uncover(const Vector3& point, double least_quality, Cavity& cavity) {
     constexpr std::size_t max_cells = 40;
     for (bool grown = true; grown;) {

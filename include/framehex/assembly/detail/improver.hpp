@@ -8,7 +8,8 @@
 
 namespace framehex::detail {
 
-/// Alternates between moving vertices and reconnecting until the energy hardly falls.
+/// Alternates between moving vertices and reconnecting until the energy hardly falls. All loops have a fixed number of
+/// rounds, and within a round each bad cell or vertex is worked on once.
 class Improver {
 public:
   Improver(CellComplex& complex, const QualityEnergy& energy, const VertexSmoother::Projection& projection,

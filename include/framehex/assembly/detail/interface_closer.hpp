@@ -53,7 +53,8 @@ public:
 private:
   static constexpr double comfortable = 0.2;  ///< quality of a new pyramid that needs no more search
 
-  /// Quadrilaterals opened on the way are visited too.
+  /// Quadrilaterals opened on the way are visited too. Only a chosen cell that is taken back opens any, and it is gone for
+  /// good, so this ends.
   template <class Visit>
   void for_each_open(Visit&& visit) {
     const double first = pulse_.fraction(), share = 0.05;

@@ -67,7 +67,8 @@ inline void choose_prisms(ComplexBuilder& builder, const PotentialPrisms& prisms
       for (const index_t v : prisms.vertices[order[rank]]) put(v, rank);
   });
 
-  // (round, rank): a prism is looked at again, in this round or the next, only when one that touches it has come.
+  // (round, rank): a prism is looked at again, in this round or the next, only when one that touches it has come. Each
+  // comes once, so this ends.
   using Turn = std::pair<std::size_t, index_t>;
   std::priority_queue<Turn, std::vector<Turn>, std::greater<>> queue;
   std::vector<std::uint8_t> waits(n, 0), gone(n, 0);

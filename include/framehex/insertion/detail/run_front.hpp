@@ -35,6 +35,7 @@ Status run_front(const FrontCourse& course, Step&& step, Count&& n_new, Relax&& 
     status = Status::cancelled;
     return false;
   };
+  // Points keep a distance, so that a bounded domain holds finitely many; `max_points` ends it before memory does.
   const auto empty_queue = [&] {
     for (std::size_t n = 0; step(); ++n) {
       if (n_new() > course.max_points) {

@@ -71,7 +71,7 @@ public:
     touch(v);
   }
 
-  /// Makes moves that gain weight until there is none near what was touched.
+  /// Makes moves that gain weight until there is none near what was touched. No set of members returns, so this ends.
   void improve() {
     while (!queue_.empty()) {
       const index_t v = queue_.back();
