@@ -180,6 +180,7 @@ private:
 /// Runs a program, its output going to a file, until it ends or the observer says stop.
 /// @return the exit status, or -1 when it was stopped, or -2 when it cannot be started, or -3 when a signal ended it.
 inline int run_process(std::vector<std::string> arguments, const std::filesystem::path& log, const Observer& observer) {
+  if (!keep_going(observer, "tetrahedra", 0.0)) return -1;  // it may be done before it is looked at again
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
