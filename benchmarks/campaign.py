@@ -9,8 +9,8 @@ SURFACE: files, or folders whose .off, .stl, .obj and .ply are taken; without an
 are not repeated, so that a campaign that was stopped goes on where it was. Of the meshes only those with a fault are kept.
 
 A surface that is open, or that crosses itself as it stands, is refused by the program before it meshes anything: that is right
-and is listed apart. All else must give a mesh: conforming, every cell valid, none below the least scaled Jacobian but for places
-that the report lists. Exit status 1 when a run breaks that.
+and is told apart ("refused"). All else must give a mesh: conforming, every cell valid, none below the least scaled Jacobian but for
+places that the report lists as forced by the surface's own angles ("listed"). Exit status 1 when a run breaks that.
 """
 import argparse
 import concurrent.futures
@@ -57,7 +57,7 @@ def run(program, surface, cells, folder, limit):
             "least": quality["least"],
             "faults": len(quality["invalid_cells"]) + conformity["open_quads"] + conformity["other_bad_faces"] +
                       conformity["open_boundary_edges"],
-            "places_below": len(quality.get("poor_cells", [])),
+            "unexplained": sum(not poor["input_angle"] for poor in quality.get("poor_cells", [])),
             "size_limits": found.get("sizes", {}).get("limited_places", 0),
         }
     report.unlink(missing_ok=True)
@@ -77,7 +77,7 @@ def judge(result):
     if result["faults"] > 0:
         return "INVALID"
     if result["least"] < LEAST_QUALITY:
-        return "listed" if result["places_below"] > 0 else "POOR"
+        return "POOR" if result["unexplained"] > 0 else "listed"
     return "ok"
 
 

@@ -590,7 +590,7 @@ class TestCampaign(Case):
         write_stl(self.path("box.stl"), *box())
         (self.folder / "results").mkdir()
         told = {"surface": "box.stl", "asked": 60, "status": 0, "message": "", "seconds": 1, "cells": 1, "hexahedra": 1,
-                "hexahedra_volume": 1, "least": 1, "faults": 1, "places_below": 0, "size_limits": 0}
+                "hexahedra_volume": 1, "least": 1, "faults": 1, "unexplained": 0, "size_limits": 0}
         (self.folder / "results" / "box-60.json").write_text(json.dumps(told))
         result = self.campaign(self.path("box.stl"))
         self.assertEqual(result.returncode, 1)
