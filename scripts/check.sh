@@ -7,6 +7,10 @@ scripts/setup.sh clang-16 clang-format
 echo "formatting"
 git ls-files '*.hpp' '*.cpp' ':!tests/compile/fail' | xargs clang-format --dry-run -Werror
 
+echo "viewer: the committed page is what its sources give"
+command -v npm >/dev/null || scripts/setup.sh npm
+(cd examples/viewer && npm ci --silent && npm run --silent check)
+
 # Without the examples, the slow cases and the whole models: those are the business of scripts/test.sh.
 run() { # PRESET TEST CASES...
   cmake --preset "$1" -DFRAMEHEX_BUILD_EXAMPLES=OFF >/dev/null

@@ -325,6 +325,20 @@ class TestRegions(Case):
         self.check_clean()
 
 
+    def test_same_mesh_same_bytes(self):
+        first = (self.path / "two & <b>.html").read_bytes()
+        framehex("view", self.path / "two.vtu", "-o", self.path / "two & <b>.html")
+        self.assertEqual((self.path / "two & <b>.html").read_bytes(), first)
+
+    def test_what_is_refused(self):
+        for arguments, word in [(("view", self.path / "two.vtu", "-o", self.path / "two.msh"), "a view is a page"),
+                                (("inspect", self.path / "two & <b>.html"), "written but not read")]:
+            done = subprocess.run([os.environ["FRAMEHEX"], *map(str, arguments)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(word, done.stderr)
+        self.assertFalse((self.path / "two.msh").exists())
+
+
 class TestSources(unittest.TestCase):
     def test_header_is_made_from_the_sources(self):
         folder = ROOT / "examples" / "viewer"
