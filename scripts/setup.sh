@@ -13,6 +13,8 @@ packages=(
   catch2 librapidcheck-dev libbenchmark-dev         # tests and benchmarks
   python3-numpy python3-scipy python3-meshio        # independent judges in the tests
   openfoam                                          # its checkMesh, another
+  python3-getfem calculix-ccx                       # with openfoam: real solves with known answers
+  python3-matplotlib                                # and their pictures
   chromium                                          # the page that shows a mesh, tested without a display
   libtet1.5-dev libopenmesh-dev libtbb-dev          # hosts that adapters are tested with
   locales                                           # a decimal comma for the tests
