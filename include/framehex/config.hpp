@@ -24,6 +24,9 @@ using offset_t = std::uint64_t;
 /// "None", where an index is expected.
 inline constexpr index_t no_index = std::numeric_limits<index_t>::max();
 
+/// A point or a vector in the plane.
+using Vector2 = Eigen::Vector2d;
+
 /// A point or a vector in space.
 using Vector3 = Eigen::Vector3d;
 

@@ -10,14 +10,14 @@
 namespace framehex {
 
 /// What the indices of an error number.
-enum class Entity { none, vertex, edge, triangle, cell, candidate, line, labelled_face, labelled_edge };
+enum class Entity { none, vertex, edge, triangle, cell, candidate, line, labelled_face, labelled_edge, polyline };
 
 /// Root of everything that framehex throws on bad input.
 ///
 /// `what()` names the entity for a person, `entity()` and `indices()` name it for a program. The indices are those
 /// of the input: dense 0-based numbers of the kind `entity()`; an edge is given by its two vertices, a facet
 /// without a number of its own by its three vertices (and `Entity::vertex`); a labelled face or edge by its position in
-/// the span that was given.
+/// the span that was given; a polyline of an outline by its position, loops first.
 class error : public std::runtime_error {
 public:
   explicit error(const std::string& message) : std::runtime_error(message) {}
@@ -54,6 +54,10 @@ class open_surface : public error { using error::error; };
 
 /// A surface that crosses itself, or is refused for another reason by the tetrahedraliser.
 class invalid_surface : public error { using error::error; };
+
+/// A planar outline that bounds nothing, is open, or whose segments cross or touch; the polyline, the vertices of the
+/// segments, or the vertex.
+class invalid_outline : public error { using error::error; };
 
 /// A frame, normal or size that cannot be used; the vertex or triangle.
 class invalid_field : public error { using error::error; };

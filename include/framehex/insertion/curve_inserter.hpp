@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/lattice/lattice_points.hpp"
 #include "framehex/option_ranges.hpp"
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct CurveOptions {
   double max_turn = std::numbers::pi / 2;  ///< rad, 1e-3 to 1e3: a curve gets its whole turn over this in intervals or
                                            ///< more, however large the size
   std::size_t max_points = 5'000'000;      ///< refuse sizes that ask for more
+  std::span<const index_t> added = {};     ///< one a curve, or empty: intervals beyond what the size asks for
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -170,6 +173,8 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
                                    const CurveLattice* lattice = nullptr) {
   const FeatureGraph& features = surface.features;
   check_options(options);
+  if (!options.added.empty())
+    detail::one_each(options.added, features.curves.size(), "added intervals", "curves");
   if (lattice) {
     detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
     detail::one_each(std::span(lattice->arcs.offsets), features.curves.size() + 1, "ends of the lattice's rows",
@@ -212,6 +217,7 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
       const double given = static_cast<double>(lattice->arcs[c].size()) + (closed ? 0.0 : 1.0);
       if (given >= std::max(closed ? 4.0 : 1.0, floors[c])) n = given, by_lattice[c] = 1;
     }
+    if (!options.added.empty()) n += options.added[c];
     total += n;
     detail::check_estimate("curves", total, options.max_points);
     result.n_intervals.push_back(static_cast<index_t>(n));

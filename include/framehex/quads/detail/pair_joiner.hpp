@@ -22,6 +22,12 @@ public:
         corners_(surface.triangles()),
         opened_(corners_.size()) {
     mesh_.points = surface.points;
+    mesh_.corners = surface.features.corners;
+    for (std::size_t c = 0; c < surface.features.curves.size(); ++c) {
+      const auto row = surface.features.curves[c];
+      for (std::size_t i = 1; i < row.size(); ++i)
+        mesh_.edges.push_back({{row[i - 1], row[i]}, static_cast<index_t>(c)});
+    }
   }
 
   QuadMesh run() {

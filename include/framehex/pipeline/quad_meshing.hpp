@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/insertion/curve_inserter.hpp"
+#include "framehex/insertion/surface_inserter.hpp"
+#include "framehex/quads/improvement.hpp"
+#include "framehex/quads/quadrangulate.hpp"
+#include "framehex/surface/cross_field.hpp"
+#include "framehex/surface/retriangulation.hpp"
+
+namespace framehex {
+
+/// In which order points propose their neighbours.
+enum class FrontOrder {
+  fifo,       ///< first in, first out: layer by layer from the curves
+  smoothness  ///< where the cross field is smoothest first
+};
+
+/// Options of the stages of `mesh_planar` and `mesh_shell`; each stage's own options say more.
+///
+/// What refers to a mesh by number (`curves.added`, `surface.complete`, `quads.frames`) is not looked at: the meshes are
+/// made on the way.
+struct QuadMeshingOptions {
+  FeatureOptions features = {};
+  CrossFieldOptions cross_field = {};
+  FrontOrder order = FrontOrder::smoothness;
+  CurveOptions curves = {};
+  SurfaceOptions surface = {};
+  RetriangulationOptions retriangulation = {};
+  QuadrangulationOptions quads = {};
+  QuadImprovementOptions improvement = {};
+  Observer observer = {};  ///< replaces those of the stages when set
+
+  template <class Options, class Visit>
+  static void each_number(Options& o, Visit&& visit) {
+    FeatureOptions::each_number(o.features, visit);
+    CrossFieldOptions::each_number(o.cross_field, visit);
+    CurveOptions::each_number(o.curves, visit);
+    SurfaceOptions::each_number(o.surface, visit);
+    RetriangulationOptions::each_number(o.retriangulation, visit);
+    QuadrangulationOptions::each_number(o.quads, visit);
+    QuadImprovementOptions::each_number(o.improvement, visit);
+  }
+};
+
+/// Wall seconds of the stages.
+struct QuadStageSeconds {
+  double preparation = 0;      ///< features, short edges
+  double field = 0;            ///< cross field
+  double insertion = 0;        ///< curves and surfaces
+  double triangulation = 0;    ///< through the samples
+  double quadrangulation = 0;  ///< matching
+  double improvement = 0;
+
+  double total() const {
+    return preparation + field + insertion + triangulation + quadrangulation + improvement;
+  }
+};
+
+/// What the stages found on their way.
+struct QuadMeshingStatistics {
+  std::size_t n_feature_curves = 0;
+  std::size_t n_patches = 0;
+  std::size_t n_singularities = 0;  ///< vertices about which the cross field turns
+  std::size_t n_points = 0;         ///< samples of corners, curves and surfaces
+  std::size_t n_unremoved_vertices = 0;  ///< of the input, that the triangulation had to keep
+  std::size_t n_added_vertices = 0;      ///< that keep the triangulation near the input
+  std::size_t n_triangles = 0;
+  std::size_t n_opened_vertices = 0;  ///< where triangles were joined that share no edge
+  /// Curves with one interval more than the size asks for, so that each patch has an even number of them; ascending.
+  std::vector<index_t> lengthened_curves = {};
+  std::size_t n_split_edges = 0;  ///< of curves, after the triangulation, for the same reason
+};
+
+/// Quadrilaterals, and how they came about.
+struct QuadMeshing {
+  QuadMesh mesh;                   ///< with patches, and edges of the feature curves
+  Csr<index_t> curves;             ///< vertices of the mesh along each feature curve
+  std::vector<index_t> corners;    ///< vertices that are corners of the features
+  std::vector<Quaternion> frames;  ///< cross at each vertex; z is the normal
+  QuadMeshingStatistics statistics;
+  QuadStageSeconds seconds;
+  Status status = Status::complete;  ///< cancelled: the mesh is empty
+};
+
+}  // namespace framehex

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/quads/detail/quad_smoother.hpp"
+
+#include <numbers>
+
+namespace framehex::detail {
+
+/// Changes the connectivity of quadrilaterals so that more vertices have as many as fit round them.
+///
+/// Every change is tried: the vertices about it are smoothed, and unless the worst cell there stays good enough all is
+/// taken back.
+class QuadCleaner {
+public:
+  QuadCleaner(EditableQuads& quads, QuadSmoother& smoother) : quads_(quads), smoother_(smoother) { set_targets(); }
+
+  std::size_t n_changes() const { return n_changes_; }
+
+  /// Joins the two quadrilaterals of each vertex inside that has no more.
+  void remove_doublets() {
+    for (bool again = true; std::exchange(again, false);)
+      for (index_t v = 0; v < quads_.points.size(); ++v)
+        while (is_doublet(v)) {
+          const index_t a = quads_.to(quads_.half_edge_of[v]);
+          quads_.remove_doublet(v);
+          ++n_changes_;
+          v = a;
+          again = true;
+        }
+  }
+
+  /// Tries changes that make the vertices about them more regular.
+  void reduce_irregular() {
+    for (index_t v = 0; v < quads_.points.size(); ++v)
+      for (int i = 0; i < 4 && penalty(v) > 0 && change_about(v, Purpose::regularity); ++i) {
+      }
+  }
+
+  /// Tries changes about cells that are bad, even some that make vertices less regular.
+  void mend(double bad) {
+    for (index_t q = 0; q < quads_.corners.size(); ++q)
+      for (int i = 0; i < 4 && quads_.alive(q) && smoother_.quality(q) < bad; ++i) {
+        const auto corners = quads_.corners[q];
+        bool changed = false;
+        for (index_t k = 0; k < quads_.size(q) && !changed; ++k)
+          if (quads_.half_edge_of[corners[k]] != no_index) changed = change_about(corners[k], Purpose::quality);
+        if (!changed) break;
+      }
+  }
+
+private:
+  enum class Purpose { regularity, quality };
+  enum class Operation { rotate, rotate_back, collapse, split };
+
+  struct Candidate {
+    double gain;
+    Operation operation;
+    index_t h, k;
+  };
+
+  static constexpr double good = 0.45;  ///< a change may make the worst cell about it this bad
+
+  /// Right angles that fit between the curves or rims of a fan.
+  void set_targets() {
+    for (index_t v = 0; v < quads_.points.size(); ++v) {
+      const index_t h = quads_.half_edge_of[v];
+      if (h == no_index || quads_.opposite[h] != no_index) continue;
+      index_t last = h;
+      quads_.for_each_outgoing(v, [&](index_t o) { last = o; });
+      const Vector3& p = quads_.points[v];
+      const Vector3& n = quads_.normals[v];
+      const Vector3 x = quads_.points[quads_.to(h)] - p, y = quads_.points[quads_.from(quads_.previous(last))] - p;
+      double angle = std::atan2(x.cross(y).dot(n), x.dot(y) - x.dot(n) * y.dot(n));
+      if (angle <= 1e-3) angle += 2 * std::numbers::pi;
+      quads_.target[v] = static_cast<index_t>(std::max(1L, std::lround(angle / (std::numbers::pi / 2))));
+    }
+  }
+
+  bool is_doublet(index_t v) const {
+    if (quads_.half_edge_of[v] == no_index || !quads_.is_inside(v) || quads_.n_cells[v] != 2) return false;
+    const index_t h = quads_.half_edge_of[v], g = quads_.opposite[quads_.previous(h)];
+    return g != no_index && quads_.is_quad(h / 4) && quads_.is_quad(g / 4) && h / 4 != g / 4 &&
+           quads_.name[quads_.to(quads_.next(h))] != quads_.name[quads_.to(quads_.next(g))];
+  }
+
+  double penalty(index_t v, int change = 0) const {
+    if (quads_.half_edge_of[v] == no_index) return 0;
+    return penalty_of(v, static_cast<int>(quads_.n_cells[v]) + change);
+  }
+  double penalty_of(index_t v, int n) const {
+    const double excess = n - static_cast<int>(quads_.target[v]);
+    const bool flat = excess < 0 && !quads_.is_inside(v);  // a corner of a cell that is open too wide
+    return excess * excess * (flat ? 3 : 1);
+  }
+
+  bool change_about(index_t v, Purpose purpose) {
+    candidates_.clear();
+    quads_.for_each_outgoing(v, [&](index_t h) {
+      if (!quads_.is_quad(h / 4)) return;
+      for (index_t side = 4 * (h / 4); side < 4 * (h / 4) + 4; ++side) {
+        add_rotation(side);
+        add_collapse(side);
+      }
+    });
+    add_splits(v);
+    const double least = purpose == Purpose::regularity ? 0.5 : -2.5;
+    std::erase_if(candidates_, [&](const Candidate& c) { return c.gain < least; });
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
+      return std::tuple(-x.gain, x.operation, x.h, x.k) < std::tuple(-y.gain, y.operation, y.h, y.k);
+    });
+    for (const Candidate& candidate : candidates_)
+      if (attempt(candidate, purpose)) {
+        ++n_changes_;
+        return true;
+      }
+    return false;
+  }
+
+  bool inside_and_thin(index_t v, index_t least) const { return quads_.n_cells[v] < (quads_.is_inside(v) ? least : 2); }
+
+  void add_rotation(index_t h) {
+    const index_t g = quads_.opposite[h];
+    if (g == no_index || !quads_.is_quad(g / 4) || g / 4 == h / 4) return;
+    const index_t a = quads_.from(h), b = quads_.to(h);
+    if (inside_and_thin(a, 4) || inside_and_thin(b, 4)) return;
+    const double ends = penalty(a) + penalty(b) - penalty(a, -1) - penalty(b, -1);
+    const auto add = [&](index_t x, index_t y, Operation operation) {
+      if (!quads_.joined(x, y))
+        candidates_.push_back({ends + penalty(x) + penalty(y) - penalty(x, 1) - penalty(y, 1), operation, h, no_index});
+    };
+    add(quads_.to(quads_.next(h)), quads_.to(quads_.next(g)), Operation::rotate);
+    add(quads_.from(quads_.previous(h)), quads_.from(quads_.previous(g)), Operation::rotate_back);
+  }
+
+  void add_collapse(index_t h) {
+    const index_t p = quads_.from(h), b = quads_.to(h), r = quads_.to(quads_.next(h)), d = quads_.from(quads_.previous(h));
+    if (!quads_.is_inside(p) || inside_and_thin(b, 4) || inside_and_thin(d, 4)) return;
+    if (quads_.joined(p, r) || n_common_neighbours(p, r) != 2) return;
+    const double gain = penalty(p) + penalty(b) + penalty(d) + penalty(r) - penalty(b, -1) - penalty(d, -1) -
+                        penalty(r, static_cast<int>(quads_.n_cells[p]) - 2);
+    candidates_.push_back({gain, Operation::collapse, h, no_index});
+  }
+
+  std::size_t n_common_neighbours(index_t p, index_t r) const {
+    std::vector<index_t> of_p, of_r, common;
+    quads_.for_each_neighbour(p, [&](index_t w) { of_p.push_back(quads_.name[w]); });
+    quads_.for_each_copy(r, [&](index_t copy) {
+      quads_.for_each_neighbour(copy, [&](index_t w) { of_r.push_back(quads_.name[w]); });
+    });
+    std::sort(of_p.begin(), of_p.end());
+    std::sort(of_r.begin(), of_r.end());
+    of_r.erase(std::unique(of_r.begin(), of_r.end()), of_r.end());
+    std::set_intersection(of_p.begin(), of_p.end(), of_r.begin(), of_r.end(), std::back_inserter(common));
+    return common.size();
+  }
+
+  void add_splits(index_t v) {
+    fan_.clear();
+    quads_.for_each_outgoing(v, [&](index_t h) { fan_.push_back(h); });
+    const auto n = static_cast<int>(fan_.size());
+    const bool inside = quads_.is_inside(v);
+    if (n < (inside ? 4 : 3)) return;
+    for (int i = 0; i < n; ++i)
+      for (int taken = 2; taken <= n - (inside ? 2 : 1); ++taken) {
+        if (!inside && i + taken >= n) break;
+        const index_t h = fan_[static_cast<std::size_t>(i)], k = fan_[static_cast<std::size_t>((i + taken) % n)];
+        if (quads_.opposite[h] == no_index || quads_.opposite[k] == no_index) continue;
+        const index_t p = quads_.to(h), r = quads_.to(k);
+        const double excess = taken + 1 - 4;
+        const double gain = penalty(v) + penalty(p) + penalty(r) - penalty_of(v, n - taken + 1) - excess * excess -
+                            penalty(p, 1) - penalty(r, 1);
+        candidates_.push_back({gain, Operation::split, h, k});
+      }
+  }
+
+  bool attempt(const Candidate& candidate, Purpose purpose) {
+    gather_region(candidate);
+    const double before = least_quality();
+    quads_.mark();
+    switch (candidate.operation) {
+      case Operation::rotate: quads_.rotate(candidate.h); break;
+      case Operation::rotate_back: quads_.rotate(quads_.rotate(candidate.h)); break;
+      case Operation::collapse: quads_.collapse(candidate.h); break;
+      case Operation::split: open(candidate); break;
+    }
+    for (int sweep = 0; sweep < 5; ++sweep)
+      for (const index_t v : region_) smoother_.relax(v);
+    const double after = least_quality();
+    const bool accepted =
+        purpose == Purpose::regularity ? after >= std::min(before, good) : after > before + 0.02;
+    if (accepted)
+      quads_.keep();
+    else
+      quads_.take_back();
+    return accepted;
+  }
+
+  /// The corners of the cells about a change.
+  void gather_region(const Candidate& candidate) {
+    region_.clear();
+    const auto add_cells_round = [&](index_t v) {
+      quads_.for_each_copy(v, [&](index_t copy) {
+        quads_.for_each_outgoing(copy, [&](index_t h) {
+          const auto corners = quads_.corners[h / 4];
+          region_.insert(region_.end(), corners.begin(), corners.begin() + quads_.size(h / 4));
+        });
+      });
+    };
+    for (const index_t cell : {candidate.h / 4, quads_.opposite[candidate.h] / 4})
+      if (cell < quads_.corners.size())
+        for (index_t i = 0; i < quads_.size(cell); ++i) add_cells_round(quads_.corners[cell][i]);
+    if (candidate.k != no_index) add_cells_round(quads_.to(candidate.k));
+    std::sort(region_.begin(), region_.end());
+    region_.erase(std::unique(region_.begin(), region_.end()), region_.end());
+  }
+
+  void open(const Candidate& candidate) {
+    const index_t w = quads_.split(candidate.h, candidate.k);
+    Vector3 sum = Vector3::Zero();
+    double n = 0;
+    quads_.for_each_outgoing(w, [&](index_t h) {
+      sum += quads_.points[quads_.to(h)];
+      ++n;
+    });
+    smoother_.place(w, sum / n);
+    region_.push_back(w);
+  }
+
+  double least_quality() const {
+    double least = 1;
+    for (const index_t v : region_)
+      if (quads_.half_edge_of[v] != no_index) least = std::min(least, smoother_.least_quality(v));
+    return least;
+  }
+
+  EditableQuads& quads_;
+  QuadSmoother& smoother_;
+  std::size_t n_changes_ = 0;
+  std::vector<Candidate> candidates_;
+  std::vector<index_t> region_, fan_;
+};
+
+}  // namespace framehex::detail

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/mesh/validation.hpp"
+#include "framehex/surface/detail/constrained_delaunay.hpp"
+#include "framehex/surface/planar_outline.hpp"
+
+#include <utility>
+
+namespace framehex {
+
+/// Triangles of a planar domain, all of whose vertices are the outline's.
+struct OutlineTriangulation {
+  IndexedTriangleMesh mesh;       ///< z = 0, anticlockwise; vertices under the outline's numbers
+  std::vector<index_t> regions;   ///< n_triangles labels, from 0
+  index_t n_regions = 0;
+  std::vector<std::array<index_t, 2>> segments;  ///< of the polylines, in their order
+
+  /// As a surface whose features are the polylines.
+  Surface surface(FeatureOptions options = {}) const {
+    options.given_edges = segments;
+    options.patches = regions;
+    return Surface(mesh, options);
+  }
+};
+
+namespace detail {
+
+/// Finds out which triangles between the segments of an outline belong to its domain.
+class OutlineFaces {
+public:
+  OutlineFaces(const PlanarOutline& outline, const ConstrainedDelaunay& delaunay)
+      : outline_(outline), delaunay_(delaunay), mesh_(delaunay.mesh()) {}
+
+  OutlineTriangulation run() {
+    label_faces();
+    find_depths();
+    OutlineTriangulation result;
+    std::vector<index_t> region(depth_.size(), no_index);
+    for (index_t t = 0; t < mesh_.n_triangles(); ++t) {
+      const index_t f = face_[t];
+      if (depth_[f] % 2 == 0) continue;
+      if (region[f] == no_index) region[f] = result.n_regions++;
+      result.mesh.triangles.push_back(mesh_.corners[t]);
+      result.regions.push_back(region[f]);
+    }
+    if (result.n_regions == 0) throw invalid_outline("the outline bounds nothing");
+    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
+      const auto row = outline_.polyline(i);
+      for (std::size_t k = 0; k + 1 < row.size(); ++k) {
+        const index_t h = mesh_.find(row[k], row[k + 1]);
+        if (depth_[face_[h / 3]] % 2 == 0 && depth_[face_[mesh_.opposite[h] / 3]] % 2 == 0)
+          throw invalid_outline("polyline " + std::to_string(i) + " lies outside the domain", Entity::polyline, {i});
+        result.segments.push_back({row[k], row[k + 1]});
+      }
+    }
+    return result;
+  }
+
+private:
+  /// Triangles that are joined without crossing a segment; the face that holds the box is 0.
+  void label_faces() {
+    face_.assign(mesh_.n_triangles(), no_index);
+    index_t outside = 0;
+    while (!delaunay_.is_box_corner(mesh_.from(3 * outside))) ++outside;
+    flood(outside);
+    for (index_t t = 0; t < face_.size(); ++t)
+      if (face_[t] == no_index) flood(t);
+  }
+
+  void flood(index_t seed) {
+    const index_t name = n_faces_++;
+    face_[seed] = name;
+    std::vector<index_t> stack{seed};
+    while (!stack.empty()) {
+      const index_t t = stack.back();
+      stack.pop_back();
+      for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const index_t g = mesh_.opposite[h];
+        if (g == no_index || mesh_.feature[h] || face_[g / 3] != no_index) continue;
+        face_[g / 3] = name;
+        stack.push_back(g / 3);
+      }
+    }
+  }
+
+  /// Number of the connected set of polylines of each vertex: its smallest vertex.
+  std::vector<index_t> components() const {
+    std::vector<index_t> parent(outline_.points.size());
+    for (index_t v = 0; v < parent.size(); ++v) parent[v] = v;
+    const auto root = [&](index_t v) {
+      while (parent[v] != v) v = parent[v] = parent[parent[v]];
+      return v;
+    };
+    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
+      const auto row = outline_.polyline(i);
+      for (std::size_t k = 1; k < row.size(); ++k) {
+        const auto [low, high] = std::minmax({root(row[k - 1]), root(row[k])});
+        parent[high] = low;
+      }
+    }
+    for (index_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
+    return parent;
+  }
+
+  /// From the outside inwards: the faces of a connected set of polylines that bounds are one deeper than the face it
+  /// lies in, those of a set that only divides are as deep.
+  void find_depths() {
+    const std::vector<index_t> component = components();
+    std::vector<char> bounds(component.size(), 0), visited(component.size(), 0);
+    for (std::size_t i = 0; i < outline_.loops.size(); ++i) bounds[component[outline_.loops[i][0]]] = 1;
+    const auto each = [&](auto&& visit) {
+      for (index_t h = 0; h < mesh_.opposite.size(); ++h)
+        if (mesh_.feature[h]) visit(component[mesh_.from(h)], face_[h / 3]);
+    };
+    const Csr<index_t> faces = make_csr(component.size(), [&](auto&& put) { each(put); });
+    const Csr<index_t> sets = make_csr(
+        n_faces_, [&](auto&& put) { each([&](index_t set, index_t face) { put(face, set); }); });
+    depth_.assign(n_faces_, no_index);
+    depth_[0] = 0;
+    std::vector<index_t> queue{0};
+    for (std::size_t i = 0; i < queue.size(); ++i)
+      for (const index_t set : sets[queue[i]]) {
+        if (std::exchange(visited[set], 1)) continue;
+        for (const index_t f : faces[set])
+          if (depth_[f] == no_index) {
+            depth_[f] = depth_[queue[i]] + static_cast<index_t>(bounds[set]);
+            queue.push_back(f);
+          }
+      }
+  }
+
+  const PlanarOutline& outline_;
+  const ConstrainedDelaunay& delaunay_;
+  const EditableSurface& mesh_;
+  std::vector<index_t> face_;   ///< by triangle
+  std::vector<index_t> depth_;  ///< by face: how many connected sets of loops it is inside of
+  index_t n_faces_ = 0;
+};
+
+/// Indices, coordinates and ends of an outline's polylines.
+inline void check_outline(const PlanarOutline& outline) {
+  const std::size_t n = outline.points.size();
+  check_count(n, no_index - 4, "vertices");
+  std::vector<index_t> n_ends(n, 0), last(n, 0);  // of loops
+  std::vector<char> used(n, 0);
+  if (outline.loops.size() == 0) throw invalid_outline("the outline has no loop");
+  for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
+    const auto row = outline.polyline(i);
+    const std::string name = "polyline " + std::to_string(i);
+    if (row.size() < 2) throw invalid_outline(name + " has no segment", Entity::polyline, {i});
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (row[k] >= n)
+        throw invalid_connectivity(
+            name + " refers to vertex " + std::to_string(row[k]) + " of " + std::to_string(n), Entity::polyline, {i});
+      if (k > 0 && row[k] == row[k - 1])
+        throw invalid_outline(name + " has vertex " + std::to_string(row[k]) + " twice in succession", Entity::polyline,
+                              {i});
+      used[row[k]] = 1;
+      if (i >= outline.loops.size()) continue;
+      n_ends[row[k]] += k == 0 || k + 1 == row.size() ? 1 : 2;
+      last[row[k]] = static_cast<index_t>(i);
+    }
+  }
+  for (std::size_t v = 0; v < n; ++v) {
+    if (!used[v]) throw invalid_outline("vertex " + std::to_string(v) + " is of no polyline", Entity::vertex, {v});
+    if (n_ends[v] == 1)
+      throw invalid_outline("loop " + std::to_string(last[v]) + " is open: it ends at vertex " + std::to_string(v),
+                            Entity::polyline, {last[v], v});
+  }
+}
+
+}  // namespace detail
+
+/// Triangulates a planar domain without adding a vertex: the constrained Delaunay triangulation of its outline.
+///
+/// @throws invalid_outline  for points that no polyline uses (the vertex), loops that are open (the loop and the vertex), segments that cross (their vertices) or
+///         occur twice, vertices that are the same point (both) or lie on a segment (the vertex, then the segment's), inner
+///         polylines outside (the polyline), an outline that bounds nothing; invalid_coordinate, invalid_connectivity.
+/// @par Complexity   about O(n log n) for n points.
+/// @par Source       Lawson's flips; Sloan, Comput. Struct. 47 (1993) 441-450, for the segments.
+inline OutlineTriangulation triangulate_outline(const PlanarOutline& outline) {
+  IndexedTriangleMesh flat;
+  for (const Vector2& p : outline.points) flat.points.emplace_back(p.x(), p.y(), 0);
+  detail::check_coordinates(flat);
+  detail::check_outline(outline);
+  detail::ConstrainedDelaunay delaunay(flat.points);
+  delaunay.insert_points();
+  for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
+    const auto row = outline.polyline(i);
+    for (std::size_t k = 1; k < row.size(); ++k) delaunay.insert_segment(row[k - 1], row[k]);
+  }
+  OutlineTriangulation result = detail::OutlineFaces(outline, delaunay).run();
+  result.mesh.points = std::move(flat.points);
+  return result;
+}
+
+}  // namespace framehex
