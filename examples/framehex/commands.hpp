@@ -9,6 +9,8 @@ namespace program {
 
 bool mesh(const Options& options, const framehex::Observer& observer);
 bool recombine(const Options& options, const framehex::Observer& observer);
+bool plane(const Options& options, const framehex::Observer& observer);
+bool shell(const Options& options, const framehex::Observer& observer);
 bool field(const Options& options, const framehex::Observer& observer);
 bool inspect(const Options& options);  // and view, which writes a page besides
 

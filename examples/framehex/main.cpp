@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
-// framehex: hex-dominant meshes from closed surfaces and from tetrahedral meshes.
+// framehex: hex-dominant meshes from closed surfaces and from tetrahedral meshes, quadrilaterals from outlines and surfaces.
 //
 // Exit status: 0 done, 1 failed inside, 2 the input cannot be used (one line says why), 130 interrupted.
 #include "framehex/errors.hpp"
@@ -20,6 +20,8 @@ bool run(const Options& options, const framehex::Observer& observer) {
     case Command::mesh: return mesh(options, observer);
     case Command::recombine: return recombine(options, observer);
     case Command::field: return field(options, observer);
+    case Command::plane: return plane(options, observer);
+    case Command::shell: return shell(options, observer);
     default: return inspect(options);
   }
 }
@@ -29,7 +31,8 @@ std::string line_of(const framehex::error& e, const Options& options) {
   std::string text = e.what();
   const bool about_input = e.entity() != framehex::Entity::none || dynamic_cast<const framehex::open_surface*>(&e) ||
                            dynamic_cast<const framehex::invalid_coordinate*>(&e) ||
-                           dynamic_cast<const framehex::invalid_surface*>(&e);
+                           dynamic_cast<const framehex::invalid_surface*>(&e) ||
+                           dynamic_cast<const framehex::invalid_outline*>(&e);
   const bool named = text.starts_with(options.input) || dynamic_cast<const framehex::io_error*>(&e);
   if (about_input && !named) text = options.input + ": " + text;
   for (char& c : text)
@@ -40,7 +43,7 @@ std::string line_of(const framehex::error& e, const Options& options) {
 int run_safely(const Options& options) {
   try {
     check_outputs(options);
-    const Interruption interruption({options.output, options.report});
+    const Interruption interruption({options.output, options.report, options.crosses});
     const bool complete = run(options, make_observer(interruption, !options.quiet));
     end_progress();
     if (!complete) std::cerr << "framehex: interrupted\n";

@@ -60,15 +60,19 @@ void add_run(CLI::App& command, Options& options) {
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
+void add_features(CLI::App& command, Options& options) {
+  command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
+      ->check(in_range(0.1, 179.9, "an angle from 0.1 to 179.9"))
+      ->type_name("DEGREES")
+      ->capture_default_str();
+}
+
 void add_field(CLI::App& command, Options& options) {
   command
       .add_option("--field", options.field, "Frame field: of the nearest boundary point, that smoothed, or the best")
       ->check(CLI::IsMember({"nearest", "smoothed", "best"}))
       ->capture_default_str();
-  command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
-      ->check(in_range(0.1, 179.9, "an angle from 0.1 to 179.9"))
-      ->type_name("DEGREES")
-      ->capture_default_str();
+  add_features(command, options);
 }
 
 void add_recombination(CLI::App& command, Options& options) {
@@ -107,7 +111,10 @@ void add_recombination(CLI::App& command, Options& options) {
 
 std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   Options options;
-  CLI::App app("Hex-dominant meshes, from closed surfaces and from tetrahedral meshes.", "framehex");
+  CLI::App app(
+      "Hex-dominant meshes, from closed surfaces and from tetrahedral meshes; quadrilaterals, from outlines and "
+      "surfaces.",
+      "framehex");
   app.set_version_flag("--version", FRAMEHEX_VERSION);
   app.require_subcommand(1);
 
@@ -154,6 +161,28 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_recombination(recombine, options);
   add_run(recombine, options);
 
+  CLI::App& plane = *app.add_subcommand("plane", "Mesh a planar domain with quadrilaterals");
+  add_input(plane, options, "Its outline: loops as text (a point \"x y\" a line), or lines of an .obj file or a mesh");
+  CLI::App& shell = *app.add_subcommand("shell", "Mesh a surface, open or closed, with quadrilaterals");
+  add_input(shell, options, "The surface (.stl .obj .off .ply)");
+  for (CLI::App* const command : {&plane, &shell}) {
+    add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
+    command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
+    add_features(*command, options);
+    command->add_option("--order", options.order, "Which point proposes its neighbours next")
+        ->check(CLI::IsMember({"fifo", "smoothness"}))
+        ->capture_default_str();
+    command
+        ->add_option("--match", options.match,
+                     "exact: quadrilaterals alone, at the least cost; greedy: some triangles stay")
+        ->check(CLI::IsMember({"exact", "greedy"}))
+        ->capture_default_str();
+    command->add_flag("!--no-improvement", options.improve, "Leave vertices and connectivity as they are joined");
+    command->add_option("--crosses", options.crosses, "Write the cross field to this file as well")
+        ->type_name("FILE.vtu");
+    command->add_flag("--quiet", options.quiet, "Print nothing but errors");
+  }
+
   CLI::App& field = *app.add_subcommand("field", "Frame field of a tetrahedral mesh (.vtu .vtk .msh .mesh .meshb)");
   add_input(field, options, "The tetrahedral mesh");
   add_output(field, options, "Frames, smoothness and singular lines: .vtu, or .html, a page that shows them");
@@ -186,6 +215,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
                     : recombine.parsed() ? Command::recombine
                     : field.parsed()     ? Command::field
                     : view.parsed()      ? Command::view
+                    : plane.parsed()     ? Command::plane
+                    : shell.parsed()     ? Command::shell
                                          : Command::inspect;
   return options;
 }
@@ -193,7 +224,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
 nlohmann::ordered_json to_json(const Options& options) {
   nlohmann::ordered_json json;
   const bool is_mesh = options.command == Command::mesh, is_field = options.command == Command::field;
-  constexpr const char* names[] = {"mesh", "recombine", "field", "inspect", "view"};
+  const bool is_quads = options.command == Command::plane || options.command == Command::shell;
+  constexpr const char* names[] = {"mesh", "recombine", "field", "inspect", "view", "plane", "shell"};
   json["command"] = names[static_cast<int>(options.command)];
   json["input"] = options.input;
   if (!options.output.empty()) json["output"] = options.output;
@@ -204,7 +236,10 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["field"] = options.field;
     json["features"] = options.feature_degrees;
   }
-  if (is_mesh) json["order"] = options.order;
+  if (is_quads) json["features"] = options.feature_degrees;
+  if (is_quads) json["match"] = options.match;
+  if (is_quads) json["improvement"] = options.improve;
+  if (is_mesh || is_quads) json["order"] = options.order;
   if (options.repair) json["repair"] = *options.repair;
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
@@ -220,7 +255,8 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["ignore_faces"] = options.ignore_faces;
     json["ignore_edges"] = options.ignore_edges;
   }
-  if (options.command != Command::inspect && options.command != Command::view) json["threads"] = options.threads;
+  if (options.command != Command::inspect && options.command != Command::view && !is_quads)
+    json["threads"] = options.threads;
   return json;
 }
 

@@ -10,7 +10,7 @@
 
 namespace program {
 
-enum class Command { mesh, recombine, field, inspect, view };
+enum class Command { mesh, recombine, field, inspect, view, plane, shell };
 
 struct Options {
   Command command = Command::mesh;
@@ -19,6 +19,7 @@ struct Options {
   std::optional<double> size;         // wished edge length
   std::optional<std::size_t> cells;   // or about so many cells
   std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
+  std::string match = "exact", crosses;  // of plane and shell: how triangles are joined; file for the cross field
   double feature_degrees = 40;
   double floor = 0.2;
   std::optional<double> gap_percent;  ///< 0.5 unless asked for

@@ -153,9 +153,17 @@ void check_outputs(const Options& options) {
       throw framehex::io_error(options.output + ": a field is written as .vtu or .html");
     if (options.command == Command::view && !is_page)
       throw framehex::io_error(options.output + ": a view is a page, .html");
+    const bool is_quads = options.command == Command::plane || options.command == Command::shell;
+    if (is_quads && (is_page || format == framehex::MeshFormat::polymesh))
+      throw framehex::io_error(options.output +
+                               ": is for meshes of a volume; quadrilaterals are written as .vtu, .msh, .mesh or .inp");
     if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
   if (!options.report.empty()) const OutputFile attempt(options.report);
+  if (options.crosses.empty()) return;
+  if (framehex::written_mesh_format(options.crosses) != framehex::MeshFormat::vtu)
+    throw framehex::io_error(options.crosses + ": crosses are written as .vtu");
+  const OutputFile attempt(options.crosses);
 }
 
 void print_row(const std::string& name, const Measures& m, const framehex::StageSeconds& s) {

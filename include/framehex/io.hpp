@@ -22,6 +22,7 @@
 #include "framehex/io/msh_writer.hpp"
 #include "framehex/io/obj_reader.hpp"
 #include "framehex/io/off_reader.hpp"
+#include "framehex/io/outline_reader.hpp"
 #include "framehex/io/output_file.hpp"
 #include "framehex/io/ply_reader.hpp"
 #include "framehex/io/polymesh_writer.hpp"

@@ -627,6 +627,99 @@ class TestInspect(Case):
         self.assertEqual(self.run_program("inspect", self.path("tets.vtk"), "--quiet").stdout, "")
 
 
+class TestQuadrilaterals(Case):
+    SQUARE = "0 0\n2 0\n2 1\n0 1\n"
+
+    def outline(self, text, name="loops.txt"):
+        (self.folder / name).write_text(text)
+        return self.path(name)
+
+    def plane(self, outline, *more):
+        return self.run_program("plane", outline, "-o", self.path("out.vtu"), "--report", self.path("out.json"),
+                                "--size", 0.125, *more)
+
+    def test_a_rectangle_becomes_the_grid_in_all_formats(self):
+        outline = self.outline(self.SQUARE)
+        for name in ("out.vtu", "out.msh", "out.mesh", "out.inp"):
+            with self.subTest(name=name):
+                result = self.run_program("plane", outline, "-o", self.path(name), "--size", 0.125)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertIn("128 quadrilaterals, 0 triangles", result.stdout)
+                mesh = meshio.read(self.path(name))
+                cells = {block.type: len(block.data) for block in mesh.cells if block.type != "line"}
+                self.assertEqual(cells, {"quad": 128})
+                self.assertEqual(len(mesh.points), 17 * 9)
+
+    def test_holes_and_crosses(self):
+        angle = 2 * np.pi * np.arange(64) / 64
+        hole = "".join(f"{x} {y}\n" for x, y in zip(1 + 0.3 * np.cos(angle), 0.5 + 0.3 * np.sin(angle)))
+        result = self.plane(self.outline(self.SQUARE + "\n# a hole\n" + hole), "--crosses", self.path("crosses.vtu"))
+        self.assertEqual(result.returncode, 0, result)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(report["quad_ratio"], {"number": 1.0, "area": 1.0})
+        self.assertEqual(report["quality"]["euler_characteristic"], 0)
+        self.assertEqual(report["quality"]["index_sum"], 0)
+        self.assertEqual(report["quality"]["folded_cells"], [])
+        self.assertGreater(report["quality"]["scaled_jacobian_min"], 0.3)
+        crosses = meshio.read(self.path("crosses.vtu"))
+        self.assertIn("smoothness", crosses.point_data)
+        self.assertIn("frame", crosses.cell_data)
+
+    def test_lines_of_files(self):
+        points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+        lines = [(0, 1), (1, 2), (2, 3), (3, 0)]
+        obj = "".join("v %g %g %g\n" % p for p in points) + "l 1 2 3 4 1\n"
+        vtk = "# vtk DataFile Version 3.0\ntest\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+        vtk += "".join("%g %g %g\n" % p for p in points) + "CELLS 4 12\n" + "".join("2 %d %d\n" % e for e in lines)
+        self.outline(vtk + "CELL_TYPES 4\n3\n3\n3\n3\n", "a.vtk")
+        self.outline(obj, "a.obj")
+        meshio.write_points_cells(self.path("a.vtu"), np.array(points, float), [("line", np.array(lines))])
+        meshio.write_points_cells(self.path("a.msh"), np.array(points, float), [("line", np.array(lines))],
+                                  file_format="gmsh22")
+        for name in ("a.vtk", "a.obj", "a.vtu", "a.msh"):
+            with self.subTest(name=name):
+                result = self.plane(self.path(name), "--quiet")
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual(json.loads((self.folder / "out.json").read_text())["counts"]["quadrilaterals"], 128)
+
+    def test_an_interval_more_is_reported(self):
+        result = self.run_program("plane", self.outline("0 0\n3 0\n1.2 2.4\n"), "-o", self.path("out.vtu"), "--size", 0.5)
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("has one interval more", result.stderr)
+
+    def test_greedy_leaves_triangles(self):
+        result = self.plane(self.outline("0 0\n3 0\n1.2 2.4\n"), "--match", "greedy", "--quiet")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertGreater(json.loads((self.folder / "out.json").read_text())["counts"]["triangles"], 0)
+
+    def test_bad_outlines(self):
+        for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segments (2, 3) and (0, 1) cross",)),
+                            ("0 0\n1 0\n1 zero\n", ("line 3", "a coordinate")),
+                            ("\n# nothing\n", ("holds no line",)),
+                            ("0 0\n1 0\n1 1\n\ninner\n2 2\n3 3\n", ("polyline 1 lies outside",)),
+                            ("inner\n0 0\n1 1\n", ("no loop",)),
+                            ("0 0\n4 0\n4 4\n0 4\n\n1 0\n2 1\n1 1\n", ("vertex 4 lies on segment (0, 1)",))):
+            with self.subTest(text=text):
+                self.check_refused(self.plane(self.outline(text)), "loops.txt", *words)
+        obj = self.outline("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n", "open.obj")
+        self.check_refused(self.plane(obj), "loop 0 is open")
+        self.check_refused(self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("polyMesh"), "--size", 1),
+                           "for meshes of a volume")
+
+    def test_shells_open_and_closed(self):
+        points, triangles = box((2, 1, 1))
+        write_stl(self.path("box.stl"), points, triangles)
+        write_stl(self.path("open.stl"), points, triangles[2:])
+        for name, characteristic in (("box.stl", 2), ("open.stl", 1)):
+            with self.subTest(name=name):
+                result = self.run_program("shell", self.path(name), "-o", self.path("out.vtu"), "--size", 0.125,
+                                          "--report", self.path("out.json"), "--quiet")
+                self.assertEqual(result.returncode, 0, result)
+                report = json.loads((self.folder / "out.json").read_text())
+                self.assertEqual(report["quality"]["euler_characteristic"], characteristic)
+                self.assertGreater(report["quality"]["scaled_jacobian_min"], 0.999)
+
+
 class TestMeshBox(Case):
     def test_a_box_becomes_cubes_in_all_variants(self):
         write_stl(self.path("box.stl"), *box((2, 1, 1)))

@@ -83,7 +83,8 @@ inline PlanarOutline section_in_box() {
   const int n = 80;
   for (int i = 0; i < 2 * n; ++i) {
     const double angle = std::numbers::pi * i / n, x = (1 + std::cos(angle)) / 2;
-    const double y = 0.6 * (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x + 0.2843 * x * x * x - 0.1036 * x * x * x * x);
+    const double y =
+        0.6 * (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x + 0.2843 * x * x * x - 0.1036 * x * x * x * x);
     points.emplace_back(x, i <= n ? y : -y);
   }
   add_loop(outline, points);

@@ -12,7 +12,7 @@ namespace framehex {
 /// Reads a volume mesh in the format that the extension tells: .vtu .vtk .msh .mesh .meshb. Needs pugixml, zlib and
 /// liblzma.
 ///
-/// @param options  which array by cell holds the labels; for .vtu and .vtk only.
+/// @param options  which array by cell holds the labels, for .vtu and .vtk only; whether there have to be volume cells.
 /// @param notes    what else was found, when not null.
 /// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension, and
 ///         for an array wanted of a format that has none.
@@ -25,7 +25,7 @@ inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOpti
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
   if (!options.regions.empty())
     throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
-  return format == MeshFormat::msh ? read_msh(path) : read_medit(path);
+  return format == MeshFormat::msh ? read_msh(path, options.volume) : read_medit(path, options.volume);
 }
 
 }  // namespace framehex

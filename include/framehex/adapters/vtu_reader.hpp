@@ -83,7 +83,7 @@ public:
     choose_labels(grid.child("Piece"), options, notes);
     read_names(grid.child("FieldData"));
     for (const pugi::xml_node piece : grid.children("Piece")) read_piece(piece);
-    return builder_.finish();
+    return builder_.finish(options.volume);
   }
 
 private:

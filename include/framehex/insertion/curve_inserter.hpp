@@ -173,8 +173,7 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
                                    const CurveLattice* lattice = nullptr) {
   const FeatureGraph& features = surface.features;
   check_options(options);
-  if (!options.added.empty())
-    detail::one_each(options.added, features.curves.size(), "added intervals", "curves");
+  if (!options.added.empty()) detail::one_each(options.added, features.curves.size(), "added intervals", "curves");
   if (lattice) {
     detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
     detail::one_each(std::span(lattice->arcs.offsets), features.curves.size() + 1, "ends of the lattice's rows",

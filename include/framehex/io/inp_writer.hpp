@@ -58,6 +58,7 @@ private:
 
   /// All elements of one kind together; an element keeps the number of its cell, plus one.
   void write_elements() {
+    if (mesh_.n_cells() == 0) return write_shells();
     for (const CellKind kind : all_cell_kinds) {
       if (std::find(mesh_.kinds.begin(), mesh_.kinds.end(), kind) == mesh_.kinds.end()) continue;
       text_ << "*ELEMENT, TYPE=" << type(kind) << ", ELSET=E_ALL\n";
@@ -72,12 +73,35 @@ private:
     }
   }
 
+  /// Without a volume the faces are the elements, and patches element sets.
+  void write_shells() {
+    for (const std::size_t size : {std::size_t{3}, std::size_t{4}}) {
+      bool first = true;
+      for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+        const LabelledFace& face = mesh_.faces[f];
+        if (face.size() != size) continue;
+        if (std::exchange(first, false)) text_ << "*ELEMENT, TYPE=S" << size << ", ELSET=E_ALL\n";
+        text_ << f + 1;
+        for (std::size_t i = 0; i < size; ++i) text_ << ", " << std::size_t{face.vertices[i]} + 1;
+        text_ << "\n";
+      }
+    }
+    for (const auto& [name, labels] : labels_of_plain_names(mesh_, 2)) {
+      std::vector<std::size_t> elements;
+      for (std::size_t f = 0; f < mesh_.faces.size(); ++f)
+        if (std::binary_search(labels.begin(), labels.end(), mesh_.faces[f].label)) elements.push_back(f + 1);
+      text_ << "*ELSET, ELSET=E_" << name << "\n";
+      write_list(elements);
+    }
+  }
+
   void write_list(const std::vector<std::size_t>& numbers) {
     for (std::size_t i = 0; i < numbers.size(); ++i)
       text_ << numbers[i] << (i % 16 == 15 || i + 1 == numbers.size() ? "\n" : ", ");
   }
 
   void write_element_sets() {
+    if (mesh_.n_cells() == 0) return;
     for (const auto& [name, labels] : labels_of_plain_names(mesh_, 3)) {
       std::vector<std::size_t> elements;
       for (std::size_t c = 0; c < mesh_.n_cells(); ++c)
@@ -107,7 +131,7 @@ private:
 
   /// Patches by element and number of its face; of two elements at an inner face the first.
   void write_surfaces() {
-    if (mesh_.faces.empty()) return;
+    if (mesh_.faces.empty() || mesh_.n_cells() == 0) return;
     struct Sided {
       std::array<index_t, 4> key;
       index_t cell;
@@ -148,7 +172,7 @@ private:
 ///
 /// @param path      the file; appears whole or not at all (`OutputFile`).
 /// @param mesh      regions become element sets (E_ and the group's name, or E_region_0...), patches and curves node sets
-///                  (N_...), patches surfaces by element face (S_...) too. Characters that a name may not have become _.
+///                  (N_...), patches surfaces by element face (S_...) too. Without a volume the faces are shells (S3, S4). Characters that a name may not have become _.
 /// @param pyramids  what a pyramid becomes.
 /// @throws io_error naming the file.
 /// @par Complexity   O(n log n + n groups).

@@ -10,8 +10,12 @@
 
 namespace framehex {
 
+/// Whether a file has to hold cells of a volume.
+enum class Volume { required, optional };
+
 /// What to read of a mesh's file.
 struct MeshReadOptions {
+  Volume volume = Volume::required;
   std::string regions = {};  ///< array by cell that holds the labels; empty: one of the usual names
 };
 

@@ -27,7 +27,7 @@ public:
     std::vector<std::int64_t> labels(types_.size(), 0);
     if (chosen < arrays_.size()) labels = labels_of(in_.name(), names[chosen].name, arrays_[chosen].values);
     for (std::size_t c = 0; c < types_.size(); ++c) builder_.add_vtk(types_[c], rows_[c], labels[c], c);
-    return builder_.finish();
+    return builder_.finish(options.volume);
   }
 
 private:

@@ -39,7 +39,7 @@ class TextMeditReader {
 public:
   TextMeditReader(const std::string& name, std::string_view bytes) : in_(name, bytes, '#'), builder_(name, 1) {}
 
-  MixedMesh read() {
+  MixedMesh read(Volume volume) {
     if (!same_word(in_.word(), "meshversionformatted")) in_.fail("not a MEDIT text file");
     in_.number<int>("the version");
     while (!in_.at_end()) {
@@ -59,7 +59,7 @@ public:
         while (is_number(in_.peek_word())) in_.word();
       }
     }
-    return builder_.finish();
+    return builder_.finish(volume);
   }
 
 private:
@@ -94,7 +94,7 @@ class BinaryMeditReader {
 public:
   BinaryMeditReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
 
-  MixedMesh read() {
+  MixedMesh read(Volume volume) {
     const auto one = in_.raw<std::int32_t>();
     if (one != 1 && one != 0x01000000) fail("not a MEDIT binary file");
     if (one != 1) order_ = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
@@ -102,7 +102,7 @@ public:
     if (version_ < 1 || version_ > 4) fail("version " + std::to_string(version_) + " is not read");
     while (read_section()) {
     }
-    return builder_.finish();
+    return builder_.finish(volume);
   }
 
 private:
@@ -173,11 +173,11 @@ private:
 /// @throws io_error naming file and line; invalid_connectivity (a vertex out of range) and invalid_coordinate (NaN,
 ///         infinity), both naming the file as well. Cells are numbered from 0 over the whole file.
 /// @par Complexity   O(n).
-inline MixedMesh read_medit(const std::filesystem::path& path) {
+inline MixedMesh read_medit(const std::filesystem::path& path, Volume volume = Volume::required) {
   const std::string bytes = read_file(path);
   if (detail::lower_text(path.extension().string()) == ".meshb")
-    return detail::BinaryMeditReader(path.string(), bytes).read();
-  return detail::TextMeditReader(path.string(), bytes).read();
+    return detail::BinaryMeditReader(path.string(), bytes).read(volume);
+  return detail::TextMeditReader(path.string(), bytes).read(volume);
 }
 
 }  // namespace framehex

@@ -3,6 +3,7 @@
 
 #include "framehex/errors.hpp"
 #include "framehex/geometry/quality.hpp"
+#include "framehex/io/label_arrays.hpp"
 #include "framehex/io/vtk_cells.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
@@ -108,15 +109,16 @@ public:
                    Entity::cell, {number});
   }
 
-  /// @throws invalid_connectivity, invalid_coordinate, io_error when there is no volume cell.
-  MixedMesh finish() {
+  /// @throws invalid_connectivity, invalid_coordinate, io_error when there is no volume cell though one is required.
+  MixedMesh finish(Volume volume) {
     if (greatest_ >= static_cast<std::int64_t>(mesh_.points.size()))
       throw invalid_connectivity(out_of_range(greatest_user_, greatest_), Entity::cell, {greatest_user_});
     for (std::size_t v = 0; v < mesh_.points.size(); ++v)
       if (!mesh_.points[v].allFinite())
         throw invalid_coordinate(name_ + ": vertex " + std::to_string(v) + " has a coordinate that is not finite",
                                  Entity::vertex, {v});
-    if (mesh_.n_cells() == 0) throw io_error(name_ + ": holds no tetrahedron, pyramid, prism or hexahedron");
+    if (mesh_.n_cells() == 0 && volume == Volume::required)
+      throw io_error(name_ + ": holds no tetrahedron, pyramid, prism or hexahedron");
     turn_prisms();
     set_labels();
     return std::move(mesh_);

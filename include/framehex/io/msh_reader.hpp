@@ -16,7 +16,7 @@ class MshReader {
 public:
   MshReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
 
-  MixedMesh read() {
+  MixedMesh read(Volume volume) {
     if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
     read_format();
     for (std::string_view section = next_section(); !section.empty(); section = next_section()) {
@@ -32,7 +32,7 @@ public:
         skip_section(section);
     }
     name_labels();
-    return builder_.finish();
+    return builder_.finish(volume);
   }
 
 private:
@@ -306,9 +306,9 @@ private:
 /// @throws io_error naming file and line; invalid_connectivity (a node that does not exist) and invalid_coordinate
 ///         (NaN, infinity), both naming the file as well. Elements are named by their numbers in the file.
 /// @par Complexity   O(n).
-inline MixedMesh read_msh(const std::filesystem::path& path) {
+inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Volume::required) {
   const std::string bytes = read_file(path);
-  return detail::MshReader(path.string(), bytes).read();
+  return detail::MshReader(path.string(), bytes).read(volume);
 }
 
 }  // namespace framehex

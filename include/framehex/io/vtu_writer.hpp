@@ -180,7 +180,7 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
 ///
 /// @param path  the file; appears whole or not at all (`OutputFile`).
 /// @param mesh  its labelled faces and edges are written as cells too, after the volume's.
-/// @param data  arrays of n_cells and n_points rows. Faces and edges have NaN (integers: 0) in the arrays by cell. Two
+/// @param data  arrays of n_cells and n_points rows; those by cell are by face where the mesh has no volume. Faces and edges have NaN (integers: 0) in the arrays by cell. Two
 ///              arrays are always written: `kind` (0 tetrahedron, 1 pyramid, 2 prism, 3 hexahedron, 4 triangle,
 ///              5 quadrilateral, 6 edge) and `label` (region, patch or curve). Names of labels are field data.
 /// @param compression  of the arrays; they are held packed in memory then.
@@ -192,7 +192,7 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
 inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
                       const VtuCompression& compression = {}) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
-  detail::check_rows(path.string(), mesh.n_cells(), mesh.points.size(), data);
+  detail::check_rows(path.string(), mesh.n_cells() > 0 ? mesh.n_cells() : mesh.faces.size(), mesh.points.size(), data);
   const detail::VtuCells cells(mesh);
   detail::VtuDocument document(compression);
 

@@ -12,10 +12,10 @@ struct QuadMesh {
   using Cell = std::array<index_t, 4>;
 
   std::vector<Vector3> points;
-  std::vector<Cell> cells;           ///< anticlockwise seen from outside; a triangle's fourth corner is `no_index`
-  std::vector<index_t> patches;      ///< n_cells labels
-  std::vector<LabelledEdge> edges;   ///< of the feature curves and rims, with the curve's number
-  std::vector<index_t> corners;      ///< vertices in which curves end or turn, ascending
+  std::vector<Cell> cells;          ///< anticlockwise seen from outside; a triangle's fourth corner is `no_index`
+  std::vector<index_t> patches;     ///< n_cells labels
+  std::vector<LabelledEdge> edges;  ///< of the feature curves and rims, with the curve's number
+  std::vector<index_t> corners;     ///< vertices in which curves end or turn, ascending
 
   static std::size_t n_corners(const Cell& cell) { return cell[3] == no_index ? 3 : 4; }
   std::size_t n_triangles() const {

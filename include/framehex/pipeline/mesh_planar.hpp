@@ -6,6 +6,21 @@
 
 namespace framehex {
 
+/// From the outline of a planar domain to quadrilaterals in the plane z = 0 that follow it.
+///
+/// Each region gets an even number of intervals on its boundary, where need be one more than the size asks for on a long
+/// curve; without any triangle left then, given an exact matcher.
+///
+/// @param outline  loops in any direction, holes, inner polylines; see `PlanarOutline`. Coordinates in the host's unit.
+/// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
+/// @param matcher  exact, e.g. `LemonMatcher`; with `GreedyMatcher` and `QuadGoal::pairs` some triangles stay.
+/// @return all cells convex, decided exactly; vertices of curves on the outline's segments.
+/// @throws invalid_outline, invalid_coordinate, invalid_connectivity  as `triangulate_outline`; invalid_surface  with
+///         three vertices of the outline near which no convex cell fits; invalid_option, invalid_field.
+/// @par Complexity   about O(n log n) in the number of points, beside the matcher's.
+/// @par Determinism  The same everywhere up to rounding.
+/// @par Source       The paper, equation (1), section 3.2, and its reference [4] for the quadrilaterals. Departs: parity,
+///                   improvement.
 template <Matcher Match, SizeField Size>
 QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Match& matcher,
                         const QuadMeshingOptions& options = {}) {

@@ -6,12 +6,56 @@
 
 namespace framehex {
 
+namespace detail {
+
+/// @throws nonmanifold  where two triangles, and no others, run along an edge the same way: a Moebius strip, or one of
+///         them is turned.
+inline void check_orientation(const Surface& surface) {
+  const TriangleAdjacency& a = surface.adjacency;
+  for (index_t h = 0; h < a.opposite.size(); ++h) {
+    if (a.opposite[h] != no_index) continue;
+    std::size_t n_same = 0, n_other = 0;
+    index_t other = no_index;
+    for (const index_t t : a.triangles_of_vertex[a.from(h)])
+      for (index_t g = 3 * t; g < 3 * t + 3; ++g) {
+        n_other += a.from(g) == a.to(h) && a.to(g) == a.from(h);
+        if (g == h || a.from(g) != a.from(h) || a.to(g) != a.to(h)) continue;
+        ++n_same;
+        other = t;
+      }
+    if (n_same == 1 && n_other == 0)
+      throw nonmanifold("triangles " + std::to_string(h / 3) + " and " + std::to_string(other) +
+                            " run along their edge the same way: one is turned, or the surface has one side only",
+                        Entity::triangle, {h / 3, other});
+  }
+}
+
+}  // namespace detail
+
+/// From a triangulated surface, open or closed, to quadrilaterals that follow it and its features.
+///
+/// Sheets may meet in edges of three or more triangles. Patches between features get an even number of intervals each,
+/// as regions do in `mesh_planar`.
+///
+/// @param surface  any TriangleMesh. Coordinates in the host's unit.
+/// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
+/// @param matcher  see `mesh_planar`.
+/// @return cells that turn one way at all corners, seen against the surface's normal; vertices on its triangles, those
+///         of feature curves on their edges.
+/// @throws invalid_coordinate, invalid_connectivity, open_surface (no triangles), nonmanifold  with two triangles that run
+///         along their edge the same way; invalid_surface  with three vertices near which no convex cell fits;
+///         invalid_option, invalid_field.
+/// @par Complexity   about O(n log n) in the number of points, beside the matcher's.
+/// @par Determinism  The same everywhere up to rounding.
+/// @par Source       as `mesh_planar`.
 template <TriangleMesh M, Matcher Match, SizeField Size>
 QuadMeshing mesh_shell(const M& surface, const Size& size, const Match& matcher,
                        const QuadMeshingOptions& options = {}) {
   check_options(options);
   validate_surface(surface);
-  return detail::QuadMesher<Match, Size>(matcher, size, options).run(Surface(surface, options.features));
+  Surface input(surface, options.features);
+  detail::check_orientation(input);
+  return detail::QuadMesher<Match, Size>(matcher, size, options).run(std::move(input));
 }
 
 }  // namespace framehex

@@ -29,6 +29,8 @@ struct QuadMeshingOptions {
   RetriangulationOptions retriangulation = {};
   QuadrangulationOptions quads = {};
   QuadImprovementOptions improvement = {};
+  double max_field_triangles =
+      100'000;             ///< >= 1; the cross field is found on triangles larger than the size beyond that
   Observer observer = {};  ///< replaces those of the stages when set
 
   template <class Options, class Visit>
@@ -40,6 +42,7 @@ struct QuadMeshingOptions {
     RetriangulationOptions::each_number(o.retriangulation, visit);
     QuadrangulationOptions::each_number(o.quads, visit);
     QuadImprovementOptions::each_number(o.improvement, visit);
+    visit("QuadMeshingOptions::max_field_triangles", o.max_field_triangles, 1, unbounded);
   }
 };
 
@@ -52,17 +55,15 @@ struct QuadStageSeconds {
   double quadrangulation = 0;  ///< matching
   double improvement = 0;
 
-  double total() const {
-    return preparation + field + insertion + triangulation + quadrangulation + improvement;
-  }
+  double total() const { return preparation + field + insertion + triangulation + quadrangulation + improvement; }
 };
 
 /// What the stages found on their way.
 struct QuadMeshingStatistics {
   std::size_t n_feature_curves = 0;
   std::size_t n_patches = 0;
-  std::size_t n_singularities = 0;  ///< vertices about which the cross field turns
-  std::size_t n_points = 0;         ///< samples of corners, curves and surfaces
+  std::size_t n_singularities = 0;       ///< vertices about which the cross field turns
+  std::size_t n_points = 0;              ///< samples of corners, curves and surfaces
   std::size_t n_unremoved_vertices = 0;  ///< of the input, that the triangulation had to keep
   std::size_t n_added_vertices = 0;      ///< that keep the triangulation near the input
   std::size_t n_triangles = 0;
@@ -74,10 +75,9 @@ struct QuadMeshingStatistics {
 
 /// Quadrilaterals, and how they came about.
 struct QuadMeshing {
-  QuadMesh mesh;                   ///< with patches, and edges of the feature curves
-  Csr<index_t> curves;             ///< vertices of the mesh along each feature curve
-  std::vector<index_t> corners;    ///< vertices that are corners of the features
-  std::vector<Quaternion> frames;  ///< cross at each vertex; z is the normal
+  QuadMesh mesh;       ///< with patches, feature curves and corners, as numbered in the features of the input
+  Surface background;  ///< the input with short edges
+  SurfaceCrossField cross_field;  ///< on its triangles
   QuadMeshingStatistics statistics;
   QuadStageSeconds seconds;
   Status status = Status::complete;  ///< cancelled: the mesh is empty

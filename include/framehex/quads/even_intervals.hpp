@@ -56,7 +56,8 @@ inline std::vector<index_t> curves_to_lengthen(const Surface& surface, std::span
   for (std::size_t c = 0; c < sides.size(); ++c) {
     if (n_intervals[c] % 2 == 1) odd = detail::symmetric_difference(odd, sides[c]);
     const auto row = features.curves[c];
-    for (std::size_t i = 1; i < row.size(); ++i) length[c] += (surface.points[row[i]] - surface.points[row[i - 1]]).norm();
+    for (std::size_t i = 1; i < row.size(); ++i)
+      length[c] += (surface.points[row[i]] - surface.points[row[i - 1]]).norm();
   }
   if (odd.empty()) return {};
 

@@ -11,8 +11,8 @@ namespace framehex {
 
 /// Triangles of a planar domain, all of whose vertices are the outline's.
 struct OutlineTriangulation {
-  IndexedTriangleMesh mesh;       ///< z = 0, anticlockwise; vertices under the outline's numbers
-  std::vector<index_t> regions;   ///< n_triangles labels, from 0
+  IndexedTriangleMesh mesh;      ///< z = 0, anticlockwise; vertices under the outline's numbers
+  std::vector<index_t> regions;  ///< n_triangles labels, from 0
   index_t n_regions = 0;
   std::vector<std::array<index_t, 2>> segments;  ///< of the polylines, in their order
 
@@ -114,8 +114,8 @@ private:
         if (mesh_.feature[h]) visit(component[mesh_.from(h)], face_[h / 3]);
     };
     const Csr<index_t> faces = make_csr(component.size(), [&](auto&& put) { each(put); });
-    const Csr<index_t> sets = make_csr(
-        n_faces_, [&](auto&& put) { each([&](index_t set, index_t face) { put(face, set); }); });
+    const Csr<index_t> sets =
+        make_csr(n_faces_, [&](auto&& put) { each([&](index_t set, index_t face) { put(face, set); }); });
     depth_.assign(n_faces_, no_index);
     depth_[0] = 0;
     std::vector<index_t> queue{0};
@@ -143,7 +143,7 @@ inline void check_outline(const PlanarOutline& outline) {
   const std::size_t n = outline.points.size();
   check_count(n, no_index - 4, "vertices");
   std::vector<index_t> n_ends(n, 0), last(n, 0);  // of loops
-  std::vector<char> used(n, 0);
+  std::vector<index_t> last_in(n, no_index);      // polyline in which a vertex was seen last
   if (outline.loops.size() == 0) throw invalid_outline("the outline has no loop");
   for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
     const auto row = outline.polyline(i);
@@ -151,19 +151,23 @@ inline void check_outline(const PlanarOutline& outline) {
     if (row.size() < 2) throw invalid_outline(name + " has no segment", Entity::polyline, {i});
     for (std::size_t k = 0; k < row.size(); ++k) {
       if (row[k] >= n)
-        throw invalid_connectivity(
-            name + " refers to vertex " + std::to_string(row[k]) + " of " + std::to_string(n), Entity::polyline, {i});
+        throw invalid_connectivity(name + " refers to vertex " + std::to_string(row[k]) + " of " + std::to_string(n),
+                                   Entity::polyline, {i});
       if (k > 0 && row[k] == row[k - 1])
         throw invalid_outline(name + " has vertex " + std::to_string(row[k]) + " twice in succession", Entity::polyline,
                               {i});
-      used[row[k]] = 1;
+      const bool closes = k > 0 && k + 1 == row.size() && row[k] == row[0];
+      if (last_in[row[k]] == i && !closes)
+        throw invalid_outline(name + " comes to vertex " + std::to_string(row[k]) + " twice", Entity::polyline, {i});
+      last_in[row[k]] = static_cast<index_t>(i);
       if (i >= outline.loops.size()) continue;
-      n_ends[row[k]] += k == 0 || k + 1 == row.size() ? 1 : 2;
+      n_ends[row[k]] += k == 0 || k + 1 == row.size() ? 1U : 2U;
       last[row[k]] = static_cast<index_t>(i);
     }
   }
   for (std::size_t v = 0; v < n; ++v) {
-    if (!used[v]) throw invalid_outline("vertex " + std::to_string(v) + " is of no polyline", Entity::vertex, {v});
+    if (last_in[v] == no_index)
+      throw invalid_outline("vertex " + std::to_string(v) + " is of no polyline", Entity::vertex, {v});
     if (n_ends[v] == 1)
       throw invalid_outline("loop " + std::to_string(last[v]) + " is open: it ends at vertex " + std::to_string(v),
                             Entity::polyline, {last[v], v});

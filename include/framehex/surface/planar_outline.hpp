@@ -21,7 +21,9 @@ struct PlanarOutline {
 
   std::size_t n_polylines() const { return loops.size() + inner.size(); }
   /// By position: loops first.
-  std::span<const index_t> polyline(std::size_t i) const { return i < loops.size() ? loops[i] : inner[i - loops.size()]; }
+  std::span<const index_t> polyline(std::size_t i) const {
+    return i < loops.size() ? loops[i] : inner[i - loops.size()];
+  }
 };
 
 }  // namespace framehex

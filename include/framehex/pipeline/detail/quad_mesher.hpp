@@ -3,6 +3,7 @@
 
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
+#include "framehex/quads/detail/curve_edge_split.hpp"
 #include "framehex/quads/even_intervals.hpp"
 #include "framehex/surface/refinement.hpp"
 
@@ -18,7 +19,8 @@ public:
       : matcher_(matcher), size_(size), options_(std::move(options)) {
     options_.curves.added = {};
     options_.surface.complete = {};
-    if (options_.observer) options_.surface.observer = options_.observer;
+    options_.quads.frames = {};
+    if (options_.observer) options_.surface.observer = options_.improvement.observer = options_.observer;
   }
 
   QuadMeshing run(Surface input) {
@@ -37,7 +39,7 @@ public:
     if (!going("quadrangulation")) return cancelled();
     join_triangles();
     watch_.lap(result_.seconds.quadrangulation);
-    result_.mesh = improve_quads(result_.mesh, FeatureCarriers(input_), options_.improvement).mesh;
+    if (!improve()) return cancelled();
     watch_.lap(result_.seconds.improvement);
     return std::move(result_);
   }
@@ -51,36 +53,39 @@ private:
 
   bool going(std::string_view stage) const { return keep_going(options_.observer, stage, 0); }
 
-  /// Triangles no longer than the mean size: crosses are one a triangle.
+  /// Triangles no longer than the mean size, unless that makes too many: crosses are one a triangle.
   void refine_surface() {
-    check_estimate("surface", estimate_surface_points(input_, size_).n_points, options_.surface.max_points);
+    const double n_points = estimate_surface_points(input_, size_).n_points;
+    check_estimate("surface", n_points, options_.surface.max_points);
     double sum = 0;
     index_t hint = no_index;
     for (const Vector3& p : input_.points) sum += checked_size(size_, p, hint);
-    const double edge = sum / static_cast<double>(input_.points.size());
-    surface_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
-    result_.statistics.n_feature_curves = surface_.features.curves.size();
-    result_.statistics.n_patches = surface_.features.n_patches;
+    const double coarser = std::sqrt(std::max(1.0, 2 * n_points / options_.max_field_triangles));
+    const double edge = coarser * sum / static_cast<double>(input_.points.size());
+    result_.background = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
+    result_.statistics.n_feature_curves = input_.features.curves.size();
+    result_.statistics.n_patches = input_.features.n_patches;
   }
 
   void make_field() {
-    cross_field_ = compute_cross_field(surface_, options_.cross_field);
-    result_.statistics.n_singularities = cross_field_.singularities.size();
+    result_.cross_field = compute_cross_field(result_.background, options_.cross_field);
+    result_.statistics.n_singularities = result_.cross_field.singularities.size();
   }
 
   bool sample_surface() {
-    CurveInsertion curves = insert_curve_points(surface_, size_, options_.curves);
-    const std::vector<index_t> longer = curves_to_lengthen(surface_, curves.n_intervals);
+    const Surface& surface = result_.background;
+    CurveInsertion curves = insert_curve_points(surface, size_, options_.curves);
+    const std::vector<index_t> longer = curves_to_lengthen(surface, curves.n_intervals);
     if (!longer.empty()) {
       std::vector<index_t> added(curves.n_intervals.size(), 0);
       for (const index_t c : longer) added[c] = 1;
       CurveOptions options = options_.curves;
       options.added = added;
-      curves = insert_curve_points(surface_, size_, options);
+      curves = insert_curve_points(surface, size_, options);
     }
     result_.statistics.lengthened_curves = longer;
     const auto insert = [&](auto order) {
-      return insert_surface_points(surface_, cross_field_.frames, cross_field_.smoothness, curves, size_,
+      return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size_,
                                    options_.surface, order);
     };
     samples_ = options_.order == FrontOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
@@ -89,17 +94,79 @@ private:
   }
 
   void retriangulate_surface() {
-    Retriangulation again = retriangulate(surface_, samples_.samples, options_.retriangulation);
+    Retriangulation again = retriangulate(result_.background, samples_.samples, options_.retriangulation);
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_added_vertices = again.n_added;
     surface_ = std::move(again.surface);
+    // Vertices that were added or had to stay may have made a patch odd again.
+    std::vector<index_t> n_intervals;
+    for (std::size_t c = 0; c < surface_.features.curves.size(); ++c)
+      n_intervals.push_back(static_cast<index_t>(surface_.features.curves[c].size() - 1));
+    for (const index_t curve : curves_to_lengthen(surface_, n_intervals)) {
+      split_longest_edge(surface_, curve);
+      ++result_.statistics.n_split_edges;
+    }
     result_.statistics.n_triangles = surface_.triangles().size();
   }
 
   void join_triangles() {
-    Quadrangulation quads = quadrangulate(surface_, matcher_, options_.quads);
+    const std::vector<Quaternion> frames = triangle_frames();
+    QuadrangulationOptions options = options_.quads;
+    options.frames = frames;
+    samples_ = {};
+    Quadrangulation quads = quadrangulate(surface_, matcher_, options);
+    surface_ = {};
     result_.statistics.n_opened_vertices = quads.copied.size();
     result_.mesh = std::move(quads.mesh);
+  }
+
+  /// Of each triangle: the cross of a sample inside a patch, or along its longest edge where it has none.
+  std::vector<Quaternion> triangle_frames() const {
+    std::vector<Quaternion> frames;
+    for (const auto& t : surface_.triangles()) {
+      index_t inside = no_index;
+      for (const index_t v : t)
+        if (inside == no_index && v < samples_.samples.size() && samples_.samples[v].kind == SampleKind::surface)
+          inside = v;
+      frames.push_back(inside != no_index ? samples_.frames[inside] : edge_frame(t));
+    }
+    return frames;
+  }
+
+  Quaternion edge_frame(const std::array<index_t, 3>& t) const {
+    Eigen::Matrix3d axes;
+    Vector3 x = Vector3::Zero();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 edge = surface_.points[t[(i + 1) % 3]] - surface_.points[t[i]];
+      if (edge.squaredNorm() > x.squaredNorm()) x = edge;
+    }
+    const Vector3 a = surface_.points[t[1]] - surface_.points[t[0]], b = surface_.points[t[2]] - surface_.points[t[0]];
+    const Vector3 normal = a.cross(b);
+    if (!(normal.norm() > 0)) return Quaternion::Identity();
+    axes.col(0) = x.normalized();
+    axes.col(2) = normal.normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0));
+    return Quaternion(axes).normalized();
+  }
+
+  bool improve() {
+    QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options_.improvement);
+    if (improved.status != Status::complete) return false;
+    result_.mesh = std::move(improved.mesh);
+    // No cell that is folded is ever handed out.
+    if (!improved.folded.empty()) refuse(result_.mesh.cells[improved.folded.front()]);
+    return true;
+  }
+
+  [[noreturn]] void refuse(const QuadMesh::Cell& cell) const {
+    Vector3 sum = Vector3::Zero();
+    const std::size_t n = QuadMesh::n_corners(cell);
+    for (std::size_t i = 0; i < n; ++i) sum += result_.mesh.points[cell[i]];
+    const auto& near = input_.triangles()[locator_.nearest(sum / static_cast<double>(n)).triangle];
+    throw invalid_surface("no convex cell of this size fits between vertices " + std::to_string(near[0]) + ", " +
+                              std::to_string(near[1]) + " and " + std::to_string(near[2]) +
+                              ": the domain is too thin, or turns too much, for the size there",
+                          Entity::vertex, {near[0], near[1], near[2]});
   }
 
   const Match& matcher_;
@@ -110,8 +177,7 @@ private:
   QuadMeshing result_;
   Surface input_;
   SurfaceLocator locator_;  // of the input
-  Surface surface_;         // the input with short edges, then its new triangulation
-  SurfaceCrossField cross_field_;
+  Surface surface_;         // through the samples
   SurfaceInsertion samples_;
 };
 

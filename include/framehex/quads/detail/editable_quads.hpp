@@ -7,6 +7,7 @@
 #include "framehex/quads/detail/journal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <unordered_set>
 
 namespace framehex::detail {
@@ -19,17 +20,18 @@ class EditableQuads {
 public:
   using Cell = QuadMesh::Cell;
 
-  JournaledArray<Vector3> points;        ///< by copy; copies of a vertex lie in one place
-  JournaledArray<Vector3> normals;       ///< by copy: of its patch
+  JournaledArray<Vector3> points;   ///< by copy; copies of a vertex lie in one place
+  JournaledArray<Vector3> normals;  ///< by copy: of its patch
   JournaledArray<Cell> corners;
-  JournaledArray<index_t> opposite;      ///< by half edge; `no_index` on curves and rims
-  JournaledArray<index_t> half_edge_of;  ///< by copy: one that leaves it, the first of the fan if it is open; or `no_index`
-  JournaledArray<index_t> n_cells;       ///< by copy: round it
-  JournaledArray<index_t> patch;         ///< by cell
-  JournaledArray<index_t> curve;         ///< by copy: on which it may move; `no_index`: none
-  std::vector<index_t> target;           ///< by copy: how many cells its angle has room for; 4 inside
-  std::vector<index_t> name;             ///< by copy: the vertex of the mesh
-  std::vector<index_t> next_copy;        ///< by copy: the copies of a vertex form a ring
+  JournaledArray<index_t> opposite;  ///< by half edge; `no_index` on curves and rims
+  JournaledArray<index_t>
+      half_edge_of;                 ///< by copy: one that leaves it, the first of the fan if it is open; or `no_index`
+  JournaledArray<index_t> n_cells;  ///< by copy: round it
+  JournaledArray<index_t> patch;    ///< by cell
+  JournaledArray<index_t> curve;    ///< by copy: on which it may move; `no_index`: none
+  std::vector<index_t> target;      ///< by copy: how many cells its angle has room for; 4 inside
+  std::vector<index_t> name;        ///< by copy: the vertex of the mesh
+  std::vector<index_t> next_copy;   ///< by copy: the copies of a vertex form a ring
 
   static index_t first(index_t q) { return 4 * q; }
   index_t size(index_t q) const { return corners[q][3] == no_index ? 3 : 4; }
@@ -85,9 +87,8 @@ public:
 
   bool joined(index_t v, index_t w) const {
     bool found = name[v] == name[w];
-    for_each_copy(v, [&](index_t copy) {
-      for_each_neighbour(copy, [&](index_t x) { found = found || name[x] == name[w]; });
-    });
+    for_each_copy(
+        v, [&](index_t copy) { for_each_neighbour(copy, [&](index_t x) { found = found || name[x] == name[w]; }); });
     return found;
   }
 
@@ -95,8 +96,12 @@ public:
     for_each_copy(v, [&](index_t copy) { points.set(copy, place); });
   }
 
-  void mark() { each([](auto& array) { array.mark(); }), n_marked_ = target.size(); }
-  void keep() { each([](auto& array) { array.keep(); }); }
+  void mark() {
+    each([](auto& array) { array.mark(); }), n_marked_ = target.size();
+  }
+  void keep() {
+    each([](auto& array) { array.keep(); });
+  }
   void take_back() {
     each([](auto& array) { array.take_back(); });
     for (auto* array : {&target, &name, &next_copy}) array->resize(n_marked_);
@@ -106,7 +111,8 @@ public:
   /// Turns the edge of two quadrilaterals to the next corners anticlockwise of its ends. @return the edge turned.
   index_t rotate(index_t h) {
     const index_t g = opposite[h], a_cell = h / 4, b_cell = g / 4;
-    const index_t b = to(h), c = to(next(h)), d = from(previous(h)), a = from(h), e = to(next(g)), f = from(previous(g));
+    const index_t b = to(h), c = to(next(h)), d = from(previous(h)), a = from(h), e = to(next(g)),
+                  f = from(previous(g));
     const index_t bc = opposite[next(h)], cd = opposite[next(next(h))], da = opposite[previous(h)];
     const index_t ae = opposite[next(g)], ef = opposite[next(next(g))], fb = opposite[previous(g)];
     corners.set(a_cell, {c, d, a, e});
@@ -161,10 +167,7 @@ public:
     const index_t v = from(h), p = to(h), r = to(k), south_p = opposite[h], north_r = opposite[k];
     std::vector<index_t> north;
     for (index_t o = h; o != k; o = opposite[previous(o)]) north.push_back(o);
-    const index_t w = add_vertex(v), q = static_cast<index_t>(corners.size());
-    corners.push_back({v, p, w, r});
-    for (int i = 0; i < 4; ++i) opposite.push_back(no_index);
-    patch.push_back(patch[h / 4]);
+    const index_t w = add_vertex(v), q = add_cell({v, p, w, r}, patch[h / 4]);
     for (const index_t o : north) set_corner(o, w);
     attach(4 * q, south_p), attach(4 * q + 1, h), attach(4 * q + 2, north_r), attach(4 * q + 3, k);
     const auto n = static_cast<int>(north.size());
@@ -173,6 +176,66 @@ public:
     half_edge_of.set(w, 4 * q + 2);
     for (const index_t x : {v, p, r}) start_fan(x, q);
     return w;
+  }
+
+  /// Which corners of the hexagon of two quadrilaterals a vertex in its middle is joined with: every other one.
+  enum class Corners { with_end, with_start };  ///< the end or the start of the half edge among them
+
+  /// Puts a vertex in place of the edge of two quadrilaterals, which become three. @return the vertex.
+  index_t insert(index_t h, Corners joined_corners) {
+    const index_t g = opposite[h];
+    const std::array<index_t, 6> side{next(h), next(next(h)), previous(h), next(g), next(next(g)), previous(g)};
+    std::array<index_t, 6> v{}, beyond{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      v[i] = from(side[i]);
+      beyond[i] = opposite[side[i]];
+    }
+    const index_t w = add_vertex(v[0]), extra = add_cell({no_index, no_index, no_index, no_index}, patch[h / 4]);
+    const std::array<index_t, 3> cells{h / 4, g / 4, extra};
+    const std::size_t offset = joined_corners == Corners::with_end ? 0 : 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = offset + 2 * k;
+      corners.set(cells[k], {w, v[i], v[(i + 1) % 6], v[(i + 2) % 6]});
+      attach(4 * cells[k] + 1, beyond[i]);
+      attach(4 * cells[k] + 2, beyond[(i + 1) % 6]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) attach(4 * cells[k] + 3, 4 * cells[(k + 1) % 3]);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const bool was_end = i == 0 || i == 3, is_joined = i % 2 == offset;
+      count(v[i], static_cast<int>(is_joined) - static_cast<int>(was_end));
+    }
+    n_cells.set(w, 3);
+    half_edge_of.set(w, 4 * extra);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const index_t x : {corners[cells[k]][1], corners[cells[k]][2]}) start_fan(x, cells[k]);
+    return w;
+  }
+
+  /// Lays a ring of four quadrilaterals into one, round a smaller copy of it. @return the first of four new vertices.
+  index_t pillow(index_t q) {
+    const Cell outer = corners[q];
+    std::array<index_t, 4> beyond{};
+    for (index_t i = 0; i < 4; ++i) beyond[i] = opposite[4 * q + i];
+    Cell inner{};
+    for (std::size_t i = 0; i < 4; ++i) inner[i] = add_vertex(outer[i]);
+    std::array<index_t, 4> ring{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t j = (i + 1) % 4;
+      ring[i] = add_cell({outer[i], outer[j], inner[j], inner[i]}, patch[q]);
+    }
+    corners.set(q, inner);
+    for (index_t i = 0; i < 4; ++i) {
+      attach(4 * ring[i], beyond[i]);
+      attach(4 * ring[i] + 2, 4 * q + i);
+      attach(4 * ring[i] + 1, 4 * ring[(i + 1) % 4] + 3);
+    }
+    for (index_t i = 0; i < 4; ++i) {
+      count(outer[i], 1);
+      n_cells.set(inner[i], 3);
+      half_edge_of.set(inner[i], 4 * q + i);
+      start_fan(outer[i], ring[i]);
+    }
+    return inner[0];
   }
 
 private:
@@ -203,6 +266,14 @@ private:
       if (h == begin) break;
     }
     half_edge_of.set(v, h);
+  }
+
+  index_t add_cell(const Cell& cell, index_t label) {
+    const auto q = static_cast<index_t>(corners.size());
+    corners.push_back(cell);
+    for (int i = 0; i < 4; ++i) opposite.push_back(no_index);
+    patch.push_back(index_t{label});
+    return q;
   }
 
   index_t add_vertex(index_t like) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/observer.hpp"
 #include "framehex/quads/detail/quad_smoother.hpp"
 
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 namespace framehex::detail {
 
@@ -30,28 +33,34 @@ public:
         }
   }
 
-  /// Tries changes that make the vertices about them more regular.
-  void reduce_irregular() {
+  /// Tries changes that make the vertices about them more regular. @return false when the observer has cancelled.
+  bool reduce_irregular(const Observer& observer) {
+    std::size_t n_tried = 0;
     for (index_t v = 0; v < quads_.points.size(); ++v)
-      for (int i = 0; i < 4 && penalty(v) > 0 && change_about(v, Purpose::regularity); ++i) {
+      for (int i = 0; i < most_changes && penalty(v) > 0; ++i) {
+        if (n_tried++ % 64 == 0 && !keep_going(observer, "improvement", 0)) return false;
+        if (!change_about(v, Purpose::regularity)) break;
       }
+    return true;
   }
 
   /// Tries changes about cells that are bad, even some that make vertices less regular.
-  void mend(double bad) {
+  bool mend(double bad, const Observer& observer) {
     for (index_t q = 0; q < quads_.corners.size(); ++q)
-      for (int i = 0; i < 4 && quads_.alive(q) && smoother_.quality(q) < bad; ++i) {
+      for (int i = 0; i < most_changes && quads_.alive(q) && smoother_.quality(q) < bad; ++i) {
+        if (!keep_going(observer, "improvement", 0)) return false;
         const auto corners = quads_.corners[q];
         bool changed = false;
         for (index_t k = 0; k < quads_.size(q) && !changed; ++k)
           if (quads_.half_edge_of[corners[k]] != no_index) changed = change_about(corners[k], Purpose::quality);
         if (!changed) break;
       }
+    return true;
   }
 
 private:
   enum class Purpose { regularity, quality };
-  enum class Operation { rotate, rotate_back, collapse, split };
+  enum class Operation { rotate, rotate_back, collapse, split, insert_at_end, insert_at_start, pillow };
 
   struct Candidate {
     double gain;
@@ -59,7 +68,10 @@ private:
     index_t h, k;
   };
 
-  static constexpr double good = 0.45;  ///< a change may make the worst cell about it this bad
+  static constexpr int most_changes = 4;      ///< about one vertex or cell in a round
+  static constexpr double pillow_gain = -10;  ///< five cells in place of one: the last resort
+  static constexpr double least_gain = 0.02;  ///< of quality, for a change that mends
+  static constexpr double good = 0.45;        ///< a change may make the worst cell about it this bad
 
   /// Right angles that fit between the curves or rims of a fan.
   void set_targets() {
@@ -101,10 +113,12 @@ private:
       for (index_t side = 4 * (h / 4); side < 4 * (h / 4) + 4; ++side) {
         add_rotation(side);
         add_collapse(side);
+        if (purpose == Purpose::quality) add_insertions(side);
       }
+      if (purpose == Purpose::quality) candidates_.push_back({pillow_gain, Operation::pillow, h, no_index});
     });
     add_splits(v);
-    const double least = purpose == Purpose::regularity ? 0.5 : -2.5;
+    const double least = purpose == Purpose::regularity ? 0.5 : pillow_gain;
     std::erase_if(candidates_, [&](const Candidate& c) { return c.gain < least; });
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
       return std::tuple(-x.gain, x.operation, x.h, x.k) < std::tuple(-y.gain, y.operation, y.h, y.k);
@@ -119,9 +133,20 @@ private:
 
   bool inside_and_thin(index_t v, index_t least) const { return quads_.n_cells[v] < (quads_.is_inside(v) ? least : 2); }
 
+  /// Does a half edge lie between two quadrilaterals that have six different corners?
+  bool in_hexagon(index_t h) const {
+    const index_t g = quads_.opposite[h];
+    if (g == no_index || !quads_.is_quad(g / 4) || !quads_.is_quad(h / 4) || g / 4 == h / 4) return false;
+    const auto &x = quads_.corners[h / 4], &y = quads_.corners[g / 4];
+    int n_shared = 0;
+    for (const index_t v : x)
+      for (const index_t w : y) n_shared += quads_.name[v] == quads_.name[w];
+    return n_shared == 2;
+  }
+
   void add_rotation(index_t h) {
     const index_t g = quads_.opposite[h];
-    if (g == no_index || !quads_.is_quad(g / 4) || g / 4 == h / 4) return;
+    if (!in_hexagon(h)) return;
     const index_t a = quads_.from(h), b = quads_.to(h);
     if (inside_and_thin(a, 4) || inside_and_thin(b, 4)) return;
     const double ends = penalty(a) + penalty(b) - penalty(a, -1) - penalty(b, -1);
@@ -133,8 +158,22 @@ private:
     add(quads_.from(quads_.previous(h)), quads_.from(quads_.previous(g)), Operation::rotate_back);
   }
 
+  void add_insertions(index_t h) {
+    const index_t g = quads_.opposite[h];
+    if (!in_hexagon(h)) return;
+    const index_t a = quads_.from(h), b = quads_.to(h);
+    const auto add = [&](index_t loses, index_t x, index_t y, Operation operation) {
+      if (inside_and_thin(loses, 4)) return;
+      const double gain = penalty(loses) + penalty(x) + penalty(y) - penalty(loses, -1) - penalty(x, 1) - penalty(y, 1);
+      candidates_.push_back({gain - 1, operation, h, no_index});
+    };
+    add(a, quads_.from(quads_.previous(h)), quads_.to(quads_.next(g)), Operation::insert_at_end);
+    add(b, quads_.to(quads_.next(h)), quads_.from(quads_.previous(g)), Operation::insert_at_start);
+  }
+
   void add_collapse(index_t h) {
-    const index_t p = quads_.from(h), b = quads_.to(h), r = quads_.to(quads_.next(h)), d = quads_.from(quads_.previous(h));
+    const index_t p = quads_.from(h), b = quads_.to(h), r = quads_.to(quads_.next(h)),
+                  d = quads_.from(quads_.previous(h));
     if (!quads_.is_inside(p) || inside_and_thin(b, 4) || inside_and_thin(d, 4)) return;
     if (quads_.joined(p, r) || n_common_neighbours(p, r) != 2) return;
     const double gain = penalty(p) + penalty(b) + penalty(d) + penalty(r) - penalty(b, -1) - penalty(d, -1) -
@@ -145,9 +184,8 @@ private:
   std::size_t n_common_neighbours(index_t p, index_t r) const {
     std::vector<index_t> of_p, of_r, common;
     quads_.for_each_neighbour(p, [&](index_t w) { of_p.push_back(quads_.name[w]); });
-    quads_.for_each_copy(r, [&](index_t copy) {
-      quads_.for_each_neighbour(copy, [&](index_t w) { of_r.push_back(quads_.name[w]); });
-    });
+    quads_.for_each_copy(
+        r, [&](index_t copy) { quads_.for_each_neighbour(copy, [&](index_t w) { of_r.push_back(quads_.name[w]); }); });
     std::sort(of_p.begin(), of_p.end());
     std::sort(of_r.begin(), of_r.end());
     of_r.erase(std::unique(of_r.begin(), of_r.end()), of_r.end());
@@ -176,19 +214,15 @@ private:
 
   bool attempt(const Candidate& candidate, Purpose purpose) {
     gather_region(candidate);
-    const double before = least_quality();
+    const double before = least_quality(), deficit_before = deficit();
     quads_.mark();
-    switch (candidate.operation) {
-      case Operation::rotate: quads_.rotate(candidate.h); break;
-      case Operation::rotate_back: quads_.rotate(quads_.rotate(candidate.h)); break;
-      case Operation::collapse: quads_.collapse(candidate.h); break;
-      case Operation::split: open(candidate); break;
-    }
+    apply(candidate);
     for (int sweep = 0; sweep < 5; ++sweep)
       for (const index_t v : region_) smoother_.relax(v);
     const double after = least_quality();
-    const bool accepted =
-        purpose == Purpose::regularity ? after >= std::min(before, good) : after > before + 0.02;
+    const bool accepted = purpose == Purpose::regularity
+                              ? after >= std::min(before, good)
+                              : after >= before - 1e-3 && deficit() < deficit_before - least_gain;
     if (accepted)
       quads_.keep();
     else
@@ -215,16 +249,40 @@ private:
     region_.erase(std::unique(region_.begin(), region_.end()), region_.end());
   }
 
-  void open(const Candidate& candidate) {
-    const index_t w = quads_.split(candidate.h, candidate.k);
+  void apply(const Candidate& candidate) {
+    const auto n = static_cast<index_t>(quads_.points.size());
+    const index_t h = candidate.h;
+    switch (candidate.operation) {
+      case Operation::rotate: quads_.rotate(h); break;
+      case Operation::rotate_back: quads_.rotate(quads_.rotate(h)); break;
+      case Operation::collapse: quads_.collapse(h); break;
+      case Operation::split: quads_.split(h, candidate.k); break;
+      case Operation::insert_at_end: quads_.insert(h, EditableQuads::Corners::with_end); break;
+      case Operation::insert_at_start: quads_.insert(h, EditableQuads::Corners::with_start); break;
+      case Operation::pillow: quads_.pillow(h / 4); break;
+    }
+    for (index_t v = n; v < quads_.points.size(); ++v) {
+      smoother_.place(v, mean_of_neighbours(v));
+      region_.push_back(v);
+    }
+  }
+
+  Vector3 mean_of_neighbours(index_t v) const {
     Vector3 sum = Vector3::Zero();
     double n = 0;
-    quads_.for_each_outgoing(w, [&](index_t h) {
+    quads_.for_each_outgoing(v, [&](index_t h) {
       sum += quads_.points[quads_.to(h)];
       ++n;
     });
-    smoother_.place(w, sum / n);
-    region_.push_back(w);
+    return sum / n;
+  }
+
+  /// How much is missing to good cells about the vertices of the region.
+  double deficit() const {
+    double sum = 0;
+    for (const index_t v : region_)
+      if (quads_.half_edge_of[v] != no_index) sum += std::max(0.0, good - smoother_.least_quality(v));
+    return sum;
   }
 
   double least_quality() const {

@@ -31,9 +31,8 @@ public:
     const double least = 0.02 * edge * edge;
     const Vector3 old = quads_.points[v];
     VertexModel model;
-    quads_.for_each_copy(v, [&](index_t copy) {
-      quads_.for_each_outgoing(copy, [&](index_t h) { add_cell(h, least, model); });
-    });
+    quads_.for_each_copy(
+        v, [&](index_t copy) { quads_.for_each_outgoing(copy, [&](index_t h) { add_cell(h, least, model); }); });
     Vector3 step = quads_.curve[v] == no_index ? step_in_patch(v, model) : step_along_curve(v, model);
     if (const double length = step.norm(); length > 0.5 * edge) step *= 0.5 * edge / length;
     for (int halvings = 0; halvings < 6; ++halvings, step /= 2) {
@@ -55,10 +54,13 @@ public:
   }
 
   double quality(index_t q) const {
-    std::array<Vector3, 4> p;
-    const std::size_t n = quads_.size(q);
-    for (std::size_t i = 0; i < n; ++i) p[i] = quads_.points[quads_.corners[q][i]];
-    return scaled_jacobian(std::span(p).first(n), normal(q));
+    std::array<Vector3, 4> storage;
+    return scaled_jacobian(places(q, storage), normal(q));
+  }
+
+  bool is_convex(index_t q) const {
+    std::array<Vector3, 4> storage;
+    return framehex::is_convex(places(q, storage), normal(q));
   }
 
   Vector3 normal(index_t q) const {
@@ -85,6 +87,12 @@ public:
   }
 
 private:
+  std::span<const Vector3> places(index_t q, std::array<Vector3, 4>& storage) const {
+    const std::size_t n = quads_.size(q);
+    for (std::size_t i = 0; i < n; ++i) storage[i] = quads_.points[quads_.corners[q][i]];
+    return std::span(storage).first(n);
+  }
+
   /// The cell of a half edge that leaves the vertex, whose place is what the model is of.
   void add_cell(index_t h, double least, VertexModel& model) const {
     const index_t q = h / 4;

@@ -72,7 +72,8 @@ private:
     const Vector3 low = box.min() - room, high = box.max() + room;
     IndexedTriangleMesh mesh{{points.begin(), points.end()}, {}};
     const auto n = static_cast<index_t>(points.size());
-    for (const auto& [x, y] : {std::pair{low.x(), low.y()}, {high.x(), low.y()}, {high.x(), high.y()}, {low.x(), high.y()}})
+    for (const auto& [x, y] :
+         {std::pair{low.x(), low.y()}, {high.x(), low.y()}, {high.x(), high.y()}, {low.x(), high.y()}})
       mesh.points.emplace_back(x, y, 0);
     mesh.triangles = {{n, n + 1, n + 2}, {n, n + 2, n + 3}};
     Surface surface;
@@ -140,7 +141,8 @@ private:
     }
     // Rounding has left an edge that is not Delaunay, and the walk goes round it.
     for (t = 0; t < mesh_.n_triangles(); ++t)
-      if (turn(mesh_.from(3 * t), mesh_.to(3 * t), v) >= 0 && turn(mesh_.from(3 * t + 1), mesh_.to(3 * t + 1), v) >= 0 &&
+      if (turn(mesh_.from(3 * t), mesh_.to(3 * t), v) >= 0 &&
+          turn(mesh_.from(3 * t + 1), mesh_.to(3 * t + 1), v) >= 0 &&
           turn(mesh_.from(3 * t + 2), mesh_.to(3 * t + 2), v) >= 0)
         break;
     return t;
@@ -174,9 +176,10 @@ private:
     });
     std::deque<std::pair<index_t, index_t>> crossed;
     for (index_t h = in; h != no_index;) {
-      if (mesh_.feature[h])
-        throw invalid_outline("segments " + text(a, b) + " and " + text(mesh_.from(h), mesh_.to(h)) + " cross",
-                              Entity::edge, {a, b, mesh_.from(h), mesh_.to(h)});
+      if (mesh_.feature[h]) {
+        const auto [p, q] = std::minmax({mesh_.from(h), mesh_.to(h)});
+        throw invalid_outline("segments " + text(a, b) + " and " + text(p, q) + " cross", Entity::edge, {a, b, p, q});
+      }
       crossed.emplace_back(mesh_.from(h), mesh_.to(h));
       const index_t g = mesh_.opposite[h], r = mesh_.apex(g);
       if (r == b) break;

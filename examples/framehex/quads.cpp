@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/lemon_matcher.hpp"
+#include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/io/outline_reader.hpp"
+#include "framehex/io/surface_reader.hpp"
+#include "framehex/pipeline/mesh_planar.hpp"
+#include "framehex/pipeline/mesh_shell.hpp"
+#include "framehex/verify/quad_quality.hpp"
+
+#include "commands.hpp"
+#include "library_options.hpp"
+#include "report.hpp"
+
+#include <filesystem>
+
+namespace program {
+
+namespace {
+
+framehex::QuadMeshingOptions meshing_options(const Options& options, const framehex::Observer& observer) {
+  framehex::QuadMeshingOptions meshing;
+  meshing.features = feature_options(options);
+  meshing.order = options.order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
+  if (options.match == "greedy") meshing.quads.goal = framehex::QuadGoal::pairs;
+  if (!options.improve) meshing.improvement.rounds = meshing.improvement.sweeps = 0;
+  meshing.observer = observer;
+  return meshing;
+}
+
+framehex::PlanarOutline read_input_outline(const std::string& name) {
+  const std::string extension = std::filesystem::path(name).extension().string();
+  for (const char* const known : {".vtu", ".vtk", ".msh", ".mesh", ".meshb"})
+    if (extension == known)
+      return framehex::outline_of_edges(name, framehex::read_mesh(name, {.volume = framehex::Volume::optional}));
+  return framehex::read_outline(name);
+}
+
+/// The triangles on which the cross field is, with its axes and smoothness.
+void write_crosses(const Options& options, const framehex::QuadMeshing& result) {
+  if (options.crosses.empty()) return;
+  framehex::MixedMesh mesh;
+  mesh.points = result.background.points;
+  for (const auto& t : result.background.triangles()) mesh.faces.push_back({{t[0], t[1], t[2], framehex::no_index}, 0});
+  framehex::MeshData data{.cells = {framehex::frame_array(result.cross_field.frames)},
+                          .points = {{"smoothness", result.cross_field.smoothness}}};
+  framehex::write_mesh(options.crosses, mesh, data);
+}
+
+nlohmann::ordered_json report(const framehex::QuadMeshing& result, const framehex::verify::QuadQuality& quality) {
+  const framehex::QuadMeshingStatistics& s = result.statistics;
+  const framehex::QuadStageSeconds& t = result.seconds;
+  nlohmann::ordered_json json;
+  json["counts"] = {{"vertices", result.mesh.points.size()},
+                    {"cells", result.mesh.cells.size()},
+                    {"quadrilaterals", quality.n_quads},
+                    {"triangles", quality.n_triangles}};
+  const auto n = static_cast<double>(result.mesh.cells.size());
+  json["quad_ratio"] = {{"number", static_cast<double>(quality.n_quads) / n},
+                        {"area", quality.quad_area / quality.area}};
+  json["quality"] = {{"scaled_jacobian_min", quality.least}, {"scaled_jacobian_mean", quality.mean},
+                     {"folded_cells", quality.folded},       {"irregular_vertices", quality.n_irregular},
+                     {"index_sum", quality.index_sum},       {"euler_characteristic", quality.euler_characteristic}};
+  json["field"] = {{"singularities", s.n_singularities}};
+  json["points"] = {{"samples", s.n_points},
+                    {"unremoved", s.n_unremoved_vertices},
+                    {"added", s.n_added_vertices},
+                    {"triangles", s.n_triangles},
+                    {"opened_vertices", s.n_opened_vertices},
+                    {"lengthened_curves", s.lengthened_curves},
+                    {"split_edges", s.n_split_edges}};
+  json["seconds"] = {{"preparation", t.preparation},
+                     {"field", t.field},
+                     {"insertion", t.insertion},
+                     {"triangulation", t.triangulation},
+                     {"quadrangulation", t.quadrangulation},
+                     {"improvement", t.improvement},
+                     {"total", t.total()}};
+  return json;
+}
+
+/// What both commands do with a result. @return false: interrupted.
+bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
+  if (result.status == framehex::Status::cancelled) return false;
+  const framehex::verify::QuadQuality quality = framehex::verify::quad_quality(result.mesh);
+  nlohmann::ordered_json json = report(result, quality);
+  finish(json, options);
+  write_crosses(options, result);
+  write_results(options, framehex::mixed_mesh(result.mesh),
+                {.cells = {{"scaled_jacobian", quality.scaled_jacobian}}, .points = {}}, json);
+  end_progress();
+  for (const framehex::index_t curve : result.statistics.lengthened_curves)
+    remark(options, "curve " + std::to_string(curve) + " has one interval more than the size asks for");
+  if (!options.quiet)
+    std::printf(
+        "%zu quadrilaterals, %zu triangles (quadrilaterals %.1f %% by number, %.1f %% by area), scaled Jacobian "
+        "%.3f at least, %.3f on average, %zu irregular vertices, %.2f s\n",
+        quality.n_quads, quality.n_triangles,
+        100 * static_cast<double>(quality.n_quads) / static_cast<double>(result.mesh.cells.size()),
+        100 * quality.quad_area / quality.area, quality.least, quality.mean, quality.n_irregular,
+        result.seconds.total());
+  return true;
+}
+
+template <class Mesh>
+bool mesh_quads(const Options& options, const framehex::Observer& observer, Mesh&& mesh) {
+  const framehex::QuadMeshingOptions meshing = meshing_options(options, observer);
+  const framehex::ConstantSize size{*options.size};
+  return write_quads(options, options.match == "greedy" ? mesh(size, framehex::GreedyMatcher{}, meshing)
+                                                        : mesh(size, framehex::LemonMatcher{}, meshing));
+}
+
+}  // namespace
+
+bool plane(const Options& options, const framehex::Observer& observer) {
+  const framehex::PlanarOutline outline = read_input_outline(options.input);
+  return mesh_quads(options, observer, [&](const auto& size, const auto& matcher, const auto& meshing) {
+    return framehex::mesh_planar(outline, size, matcher, meshing);
+  });
+}
+
+bool shell(const Options& options, const framehex::Observer& observer) {
+  const framehex::SoupSurface soup = framehex::read_surface(options.input);
+  return mesh_quads(options, observer, [&](const auto& size, const auto& matcher, auto meshing) {
+    meshing.features.patches = soup.patches;
+    return framehex::mesh_shell(soup.surface, size, matcher, meshing);
+  });
+}
+
+}  // namespace program
