@@ -78,7 +78,7 @@ def draw_shell(axes, mesh, title, view):
     polygons = np.array([c for c in cells(mesh) if len(c) == 4])
     normal = np.cross(polygons[:, 2] - polygons[:, 0], polygons[:, 3] - polygons[:, 1])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    light = 0.55 + 0.45 * np.abs(normal @ np.array([0.4, -0.7, 0.6]))
+    light = 0.55 + 0.4 * np.abs(normal @ np.array([0.4, -0.7, 0.59]))
     axes.add_collection3d(Poly3DCollection(polygons, facecolor=np.c_[light, light, light], edgecolor="k", linewidth=0.25))
     low, high = mesh.points.min(0), mesh.points.max(0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), title=title)
@@ -116,11 +116,9 @@ def main():
         runner = Runner(arguments.program.resolve(), folder)
         draw_crosses(runner)
 
-        figure, axes = plt.subplots(2, 2, figsize=(12, 7))
-        for column, order in enumerate(("fifo", "smoothness")):
-            raw = runner.mesh("plane", section(), 0.09, "--order", order, "--no-improvement")
-            draw_plane(axes[0][column], raw, f"{order}: as joined")
-            draw_plane(axes[1][column], runner.mesh("plane", section(), 0.09, "--order", order), f"{order}: improved")
+        figure, axes = plt.subplots(1, 2, figsize=(15, 3.4))
+        for panel, order in zip(axes, ("fifo", "smoothness")):
+            draw_plane(panel, runner.mesh("plane", section(), 0.05, "--order", order), order)
         figure.tight_layout()
         figure.savefig(IMAGES / "planar-orders.png", dpi=100)
 
