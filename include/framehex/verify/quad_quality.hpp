@@ -43,7 +43,7 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
       storage[i] = mesh.points[cell[i]];
       ++n_cells[cell[i]];
       const index_t next = cell[(i + 1) % n];
-      Sides& side = sides[detail::edge_key(cell[i], next)];
+      Sides& side = sides[framehex::detail::edge_key(cell[i], next)];
       ++(cell[i] < next ? side.forth : side.back);
     }
     const std::span<const Vector3> corners = std::span(storage).first(n);
