@@ -57,6 +57,7 @@ void run(const std::string& path, double size, FieldMethod method) {
   for (const Variant& variant : variants()) {
     MeshingOptions options;
     options.field.method = method;
+    options.order = PointOrder::smoothness;
     variant.change(options);
     const MeshingResult result = mesh_surface(
         surface, [size](const Vector3&) { return size; }, TetgenProcess{}, options);

@@ -179,7 +179,9 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                    {"fraction_smooth", s.fraction_smooth},
                    {"dirichlet_energy", s.dirichlet_energy},
                    {"singular_edges", s.n_singular_edges}};
-  if (options.order == "lattice") json["lattice"] = {{"volume", s.lattice_volume}};
+  const bool lattice_is_left = meshing.order == framehex::PointOrder::lattice && s.order != meshing.order;
+  if (options.order == "lattice")
+    json["lattice"] = {{"volume", s.lattice_volume}, {"replaced_by_fronts", lattice_is_left}};
   json["points"] = {{"surface", s.n_surface_points},
                     {"volume", s.n_volume_points},
                     {"unremoved", s.n_unremoved_vertices},
@@ -193,6 +195,10 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                                 .lines = result.singular_lines};
   write_results(options, mesh, data, json);
   end_progress();
+  if (lattice_is_left)
+    remark(options,
+           std::string(s.n_regions > 1 ? "there are interfaces between regions" : "no lattice fits this body") +
+               ": fronts have placed the points");
   if (!options.quiet) {
     print_row(std::filesystem::path(options.input).stem().string() + " " + options.field + " " + options.order,
               measures, seconds);

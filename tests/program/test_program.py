@@ -723,11 +723,20 @@ class TestQuadrilaterals(Case):
 class TestMeshBox(Case):
     def test_a_box_becomes_cubes_in_all_variants(self):
         write_stl(self.path("box.stl"), *box((2, 1, 1)))
-        for field, order in itertools.product(("nearest", "smoothed", "best"), ("fifo", "smoothness")):
+        for field, order in itertools.product(("nearest", "smoothed", "best"), ("fifo", "smoothness", "lattice")):
             with self.subTest(field=field, order=order):
                 result = self.mesh("box.stl", "--size", "0.25", "--field", field, "--order", order)
                 self.assertEqual(result.returncode, 0, result)
                 self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 128})
+
+    def test_a_body_without_a_lattice_is_left_to_the_fronts_and_it_says_so(self):
+        write_stl(self.path("box.stl"), *box((4, 4, 0.2)))  # no layer of the size fits in
+        result = self.mesh("box.stl", "--size", "0.5")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("no lattice fits this body: fronts have placed the points", result.stderr)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(report["lattice"], {"volume": 0, "replaced_by_fronts": True})
+        self.assertGreater(audit(self.path("out.vtu"))["least_volume"], 0)
 
     def test_cavities_stay_empty(self):
         points, triangles = box((4, 4, 4))

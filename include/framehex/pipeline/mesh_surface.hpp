@@ -49,6 +49,7 @@ public:
     check_sizes();
     refine_surface();
     if (!make_field()) return cancelled();
+    result_.statistics.order = options_.order;
     if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled();
     if (!make_mesh()) return cancelled();
     sample_field();
@@ -294,7 +295,7 @@ private:
 
   /// In place of a lattice of which too little is left.
   void use_fronts() {
-    options_.order = PointOrder::smoothness;
+    options_.order = result_.statistics.order = PointOrder::smoothness;
     result_.statistics.lattice_volume = 0;
   }
 

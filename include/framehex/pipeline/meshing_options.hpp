@@ -16,7 +16,8 @@
 
 namespace framehex {
 
-/// How points are placed: by fronts, in the order in which points propose their neighbours, or all at once.
+/// How points are placed: by fronts, in the order in which points propose their neighbours, or all at once. Where a lattice
+/// is not to be had, because there are interfaces between regions or because its map is bad, fronts take over.
 enum class PointOrder {
   fifo,        ///< first in, first out: layer by layer from the boundary
   smoothness,  ///< where the frame field is smoothest first
@@ -38,7 +39,7 @@ struct MeshingOptions {
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};
   InterfaceFrames interfaces = InterfaceFrames::aligned;
-  PointOrder order = PointOrder::smoothness;
+  PointOrder order = PointOrder::lattice;
   LatticeOptions lattice = {};
   CurveOptions curves = {};
   SurfaceOptions surface = {};
