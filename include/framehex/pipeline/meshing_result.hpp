@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/geometry/rotation.hpp"
+#include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/surface/limited_size.hpp"
 
