@@ -729,15 +729,6 @@ class TestMeshBox(Case):
                 self.assertEqual(result.returncode, 0, result)
                 self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 128})
 
-    def test_a_body_without_a_lattice_is_left_to_the_fronts_and_it_says_so(self):
-        write_stl(self.path("box.stl"), *box((4, 4, 0.2)))  # no layer of the size fits in
-        result = self.mesh("box.stl", "--size", "0.5")
-        self.assertEqual(result.returncode, 0, result)
-        self.assertIn("no lattice fits this body: fronts have placed the points", result.stderr)
-        report = json.loads((self.folder / "out.json").read_text())
-        self.assertEqual(report["lattice"], {"volume": 0, "replaced_by_fronts": True})
-        self.assertGreater(audit(self.path("out.vtu"))["least_volume"], 0)
-
     def test_cavities_stay_empty(self):
         points, triangles = box((4, 4, 4))
         for size, origin, volume, more in (((2, 2, 2), (1, 1, 1), 56, False), ((2, 1, 1), (1, 1, 1), 62.125, True)):

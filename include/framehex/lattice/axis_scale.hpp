@@ -9,7 +9,7 @@ namespace framehex {
 
 /// Options of `scale_axes`.
 struct AxisScaleOptions {
-  double longest = 1.5;       ///< >= 1: longest step along an axis, in sizes
+  double longest = 1.25;      ///< >= 1: longest step along an axis, in sizes
   double shortest = 0.7;      ///< 0 to 1: shortest, in sizes
   double smoothness = 0.02;   ///< >= 0: weight of the gradient itself beside what makes the axes integrable
   double conformance = 0.02;  ///< > 0: weight of the size asked for, over `reach` sizes
