@@ -287,8 +287,7 @@ private:
     lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), refined_, size_, options_.lattice,
                              executor_, &report);
     result_.statistics.lattice_volume = lattice_.complete_volume;
-    constexpr double least_volume = 0.5;
-    if (lattice_.complete_volume < least_volume) use_fronts();
+    if (lattice_.complete_volume < 0.5) use_fronts();  // no more than scraps of it
     watch_.lap(seconds_.insertion);
     return report.status == Status::complete;
   }
