@@ -141,8 +141,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->default_str("1e-4");
   add_field(mesh, options);
   mesh.add_option("--order", options.order,
-                  "Placement of points: as one lattice, or by fronts, smoothest field first or first in first out")
-      ->check(CLI::IsMember({"lattice", "smoothness", "fifo"}))
+                  "Placement of points: by fronts, smoothest field first or first in first out, or as one lattice")
+      ->check(CLI::IsMember({"smoothness", "fifo", "lattice"}))
       ->capture_default_str();
   add_recombination(mesh, options);
   add_run(mesh, options);
@@ -169,7 +169,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
     command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
     add_features(*command, options);
-    command->add_option("--order", options.front_order, "Which point proposes its neighbours next")
+    command->add_option("--order", options.order, "Which point proposes its neighbours next")
         ->check(CLI::IsMember({"fifo", "smoothness"}))
         ->capture_default_str();
     command
@@ -239,8 +239,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_quads) json["features"] = options.feature_degrees;
   if (is_quads) json["match"] = options.match;
   if (is_quads) json["improvement"] = options.improve;
-  if (is_mesh) json["order"] = options.order;
-  if (is_quads) json["order"] = options.front_order;
+  if (is_mesh || is_quads) json["order"] = options.order;
   if (options.repair) json["repair"] = *options.repair;
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;

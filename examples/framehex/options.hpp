@@ -18,7 +18,7 @@ struct Options {
   std::string regions;                // array by cell that holds the labels; empty: one of the usual names
   std::optional<double> size;         // wished edge length
   std::optional<std::size_t> cells;   // or about so many cells
-  std::string field = "best", order = "lattice", front_order = "smoothness", select = "best", interfaces = "conforming";
+  std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
   std::string match = "exact", crosses;  // of plane and shell: how triangles are joined; file for the cross field
   double feature_degrees = 40;
   double floor = 0.2;

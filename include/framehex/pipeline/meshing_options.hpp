@@ -39,7 +39,7 @@ struct MeshingOptions {
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};
   InterfaceFrames interfaces = InterfaceFrames::aligned;
-  PointOrder order = PointOrder::lattice;
+  PointOrder order = PointOrder::smoothness;
   LatticeOptions lattice = {};
   CurveOptions curves = {};
   SurfaceOptions surface = {};
