@@ -180,8 +180,6 @@ def between_two_patches(case, answers):
     temperatures, fluxes = case.solve({**conditions, **{patch: "type zeroGradient;" for patch in others}})
     print(f"flux in through {first}: {fluxes[first]:.9f}, out through {last}: {-fluxes[last]:.9f}")
     answers.at_most("what flows in and not out, relative", 1e-6, abs(sum(fluxes.values()) / fluxes[first]))
-    answers.at_least("lowest temperature", 0, temperatures.min())
-    answers.at_most("highest temperature", 1, temperatures.max())
     return temperatures
 
 
