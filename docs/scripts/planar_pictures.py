@@ -131,7 +131,7 @@ def main():
         figure = plt.figure(figsize=(12, 5.5))
         bunny = runner.mesh("shell", arguments.models / "bunny.stl", 0.26)
         dome = runner.mesh("shell", arguments.models / "dome.ply", 0.156)
-        draw_shell(figure.add_subplot(1, 2, 1, projection="3d"), bunny, "bunny", (20, -70))
+        draw_shell(figure.add_subplot(1, 2, 1, projection="3d"), bunny, "bunny", (110, -80))
         draw_shell(figure.add_subplot(1, 2, 2, projection="3d"), dome, "dome", (25, -60))
         figure.tight_layout()
         figure.savefig(IMAGES / "planar-shells.png", dpi=100)
