@@ -104,11 +104,13 @@ def ablation(results):
     rows = []
     for variant in ABLATION:
         mine = [found(results, model, "small", variant) for model in NAMES]
-        if all(mine):
-            rows.append([variant, *(shares(row) for row in mine),
-                         " / ".join(f"{statistics.mean(row[share] for row in mine):.1f}" for share in ("hex_number", "hex_volume")),
-                         f"{min(row['least'] for row in mine):.2f}", f"{sum(row['open'] for row in mine):,}",
-                         f"{sum(row['cpu'] for row in mine):.0f}"])
+        known = [row for row in mine if row]
+        if not known:
+            continue
+        means = [f"{statistics.mean(row[share] for row in mine):.1f}" for share in ("hex_number", "hex_volume") if all(mine)]
+        rows.append([variant, *(shares(row) if row else "–" for row in mine), " / ".join(means),
+                     f"{min(row['least'] for row in known):.2f}", f"{sum(row['open'] for row in known):,}",
+                     f"{sum(row['cpu'] for row in known):.0f}"])
     return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in NAMES) + " | mean | least SJ | open | CPU s", rows)
 
 

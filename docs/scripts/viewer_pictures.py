@@ -50,7 +50,7 @@ def page_of(program, model, variant, folder):
     if not path.exists():
         surface = run.surface_file(run.MODELS, model, folder)
         subprocess.run([program, "mesh", surface, "--size", str(run.SMALL[model]), "-o", path, "--quiet",
-                        *run.VARIANTS[variant]], check=True)
+                        *run.VARIANTS.get(variant, [])], check=True)  # "default": as the program is
     return path
 
 
