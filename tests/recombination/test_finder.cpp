@@ -312,7 +312,7 @@ TEST_CASE("The observer hears of progress, and may stop the search") {
                                                   ++calls;
                                                   return true;
                                                 }});
-  CHECK(calls > 5);
+  CHECK(calls >= 4);  // 12 blocks of 64 vertices, in batches that double at most
   CHECK(last == 1);
   check_equal(all, watched);
   const auto stopped = find_potential_hexahedra(mesh, {.observer = [](const Progress& p) { return p.fraction < 0.5; }});
