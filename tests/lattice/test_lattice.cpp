@@ -178,7 +178,7 @@ TEST_CASE("the projection of steps minimises what it says: against a factorised 
     CHECK(excess >= -1e-9 * least);
     CHECK(excess < 1e-6 * (functional(Eigen::VectorXd::Zero(n)) - least));
   }
-  CHECK(report.closure_after < report.closure_before);
+  CHECK(report.closure_after < 0.1 * report.closure_before);
 }
 
 TEST_CASE("lines of a cylinder's field are put on whole coordinates, and the points do not depend on the threads") {
