@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["", "geometry", "mesh", "surface", "tetrahedralization", "field", "lattice", "insertion", "recombination",
+LAYERS = ["", "geometry", "mesh", "surface", "tetrahedralization", "field", "sizing", "lattice", "insertion", "recombination",
           "selection", "verify", "assembly", "quads", "pipeline", "io", "adapters", "distributed"]
 CORE = LAYERS[:LAYERS.index("io")]
 # Offered for comparison with the paper, at a cost that other users need not pay: included by name only.

@@ -64,7 +64,8 @@ public:
   VtuReader(std::string name, std::string bytes)
       : name_(std::move(name)), bytes_(std::move(bytes)), builder_(name_, 0) {}
 
-  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes) {
+  /// @param lengths  receives values by point when not null.
+  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes, PointLengths* lengths = nullptr) {
     parse();
     const pugi::xml_node root = document_.child("VTKFile");
     if (!root) fail("not a VTK XML file");
@@ -82,6 +83,10 @@ public:
     if (!grid.child("Piece")) fail("holds no Piece");
     choose_labels(grid.child("Piece"), options, notes);
     read_names(grid.child("FieldData"));
+    lengths_ = lengths;
+    if (lengths_)
+      lengths_->array =
+          choose_length_array(name_, array_names(grid.child("Piece").child("PointData")), lengths_->wanted);
     for (const pugi::xml_node piece : grid.children("Piece")) read_piece(piece);
     return builder_.finish(options.volume);
   }
@@ -210,11 +215,16 @@ private:
     return !std::string_view(array.attribute("type").value()).starts_with("Float");
   }
 
-  void choose_labels(pugi::xml_node piece, const MeshReadOptions& options, MeshReadNotes& notes) {
+  static std::vector<CellArrayName> array_names(pugi::xml_node data) {
     std::vector<CellArrayName> names;
-    for (const pugi::xml_node array : piece.child("CellData").children("DataArray"))
+    for (const pugi::xml_node array : data.children("DataArray"))
       names.push_back({array.attribute("Name").value(), is_integer_array(array),
                        std::max<std::size_t>(array.attribute("NumberOfComponents").as_ullong(1), 1)});
+    return names;
+  }
+
+  void choose_labels(pugi::xml_node piece, const MeshReadOptions& options, MeshReadNotes& notes) {
+    const std::vector<CellArrayName> names = array_names(piece.child("CellData"));
     const std::size_t chosen = choose_label_array(name_, names, options, notes);
     if (chosen < names.size()) label_array_ = names[chosen].name;
   }
@@ -243,6 +253,14 @@ private:
     return labels;
   }
 
+  void read_lengths(pugi::xml_node piece, std::size_t n_points) {
+    const pugi::xml_node array =
+        piece.child("PointData").find_child_by_attribute("DataArray", "Name", lengths_->array.c_str());
+    const std::vector<double> read = array ? values<double>(array) : std::vector<double>{};
+    if (read.size() != n_points) fail("array \"" + lengths_->array + "\" holds not one number for each point");
+    lengths_->values.insert(lengths_->values.end(), read.begin(), read.end());
+  }
+
   void read_piece(pugi::xml_node piece) {
     const std::size_t n_points = piece.attribute("NumberOfPoints").as_ullong();
     const std::size_t n_cells = piece.attribute("NumberOfCells").as_ullong();
@@ -250,6 +268,7 @@ private:
     if (x.size() % 3 != 0 || x.size() / 3 != n_points) fail("Points holds not three numbers for each point");
     const auto first = static_cast<std::int64_t>(builder_.n_points());
     for (std::size_t i = 0; i < n_points; ++i) builder_.add_point(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    if (lengths_) read_lengths(piece, n_points);
 
     const pugi::xml_node cells = piece.child("Cells");
     const auto array = [&](const char* wanted) {
@@ -285,6 +304,7 @@ private:
   std::endian order_ = std::endian::little;
   std::size_t header_bytes_ = 4, n_read_ = 0;
   MeshBuilder builder_;
+  PointLengths* lengths_ = nullptr;
 };
 
 }  // namespace detail
@@ -303,6 +323,15 @@ inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptio
                           MeshReadNotes* notes = nullptr) {
   MeshReadNotes ignored;
   return detail::VtuReader(path.string(), read_file(path)).read(options, notes ? *notes : ignored);
+}
+
+/// Reads a mesh of any cells, or of faces alone, and the lengths that an array by point of it holds.
+///
+/// @param lengths  `wanted` chooses the array; the rest is filled in.
+/// @throws as `read_vtu`; io_error when no array can be chosen, with the names of those there are.
+inline MixedMesh read_vtu_lengths(const std::filesystem::path& path, PointLengths& lengths) {
+  MeshReadNotes ignored;
+  return detail::VtuReader(path.string(), read_file(path)).read({.volume = Volume::optional}, ignored, &lengths);
 }
 
 }  // namespace framehex

@@ -12,10 +12,14 @@ namespace framehex {
 
 /// Lowers sizes until none exceeds a neighbour's by more than `growth` times their distance.
 ///
-/// @param sizes   n_vertices lengths, changed in place. @param growth  dimensionless, >= 0; 0.3 is moderate.
+/// @param neighbours  of each vertex, of any mesh. @param sizes  n_vertices lengths, changed in place.
+/// @param growth      dimensionless, >= 0; 0.3 is moderate.
 /// @throws invalid_field   with the vertex whose size is not positive and finite; invalid_option for the growth.
 /// @par Complexity   O(edges log n).
-inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<double> sizes,
+/// @par Source       H. Borouchaki, F. Hecht, P. J. Frey, Mesh gradation control, Int. J. Numer. Meth. Eng. 43 (1998)
+///                   1143-1165. Departs: in the order of sizes, as Dijkstra's shortest paths, so that each vertex is
+///                   settled once.
+inline void limit_gradation(const Csr<index_t>& neighbours, std::span<const Vector3> points, std::span<double> sizes,
                             double growth) {
   if (!(growth >= 0)) throw invalid_option("the growth of sizes must not be negative");
   using Entry = std::pair<double, index_t>;
@@ -30,13 +34,18 @@ inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vecto
     const auto [size, v] = queue.top();
     queue.pop();
     if (size > sizes[v]) continue;
-    for (const index_t w : adjacency.vertices_of_vertex[v]) {
+    for (const index_t w : neighbours[v]) {
       const double most = size + growth * (points[w] - points[v]).norm();
       if (sizes[w] <= most) continue;
       sizes[w] = most;
       queue.emplace(most, w);
     }
   }
+}
+
+inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<double> sizes,
+                            double growth) {
+  limit_gradation(adjacency.vertices_of_vertex, points, sizes, growth);
 }
 
 /// Fills in unknown sizes so that the whole is harmonic: as smooth as the known ones allow, and between them.

@@ -25,9 +25,16 @@ struct MeshReadNotes {
   std::vector<std::string> unused_arrays = {};  ///< further arrays by cell of one integer a cell
 };
 
+/// Lengths at the points of a mesh, as a file tells them.
+struct PointLengths {
+  std::string wanted = {};          ///< array by point that holds them; empty: one of the usual names, or the only one
+  std::string array = {};           ///< the one that was taken
+  std::vector<double> values = {};  ///< n_points, as they stand there
+};
+
 namespace detail {
 
-/// An array by cell of a file, before its values are read.
+/// An array by cell or point of a file, before its values are read.
 struct CellArrayName {
   std::string name;
   bool is_integer = false;
@@ -40,10 +47,11 @@ struct CellArrayName {
 /// @throws io_error  when the one asked for is not there, or has not one component.
 inline std::size_t choose_label_array(const std::string& file, const std::vector<CellArrayName>& arrays,
                                       const MeshReadOptions& options, MeshReadNotes& notes) {
-  constexpr std::array<std::string_view, 19> usual{
-      "label",       "labels",      "region", "regions",       "region_id",       "material",      "materials",
-      "material_id", "materialids", "mat_id", "gmsh:physical", "medit:ref",       "cellentityids", "attribute",
-      "subdomain",   "zone",        "part",   "cell_tags",     "gmsh:geometrical"};
+  constexpr std::array<std::string_view, 22> usual{
+      "label",       "labels",      "region", "regions",       "region_id",        "material",      "materials",
+      "material_id", "materialids", "mat_id", "gmsh:physical", "medit:ref",        "cellentityids", "attribute",
+      "subdomain",   "zone",        "part",   "cell_tags",     "gmsh:geometrical", "patch",         "patch_id",
+      "group"};
   std::size_t chosen = arrays.size();
   if (!options.regions.empty()) {
     std::string known;
@@ -70,6 +78,30 @@ inline std::size_t choose_label_array(const std::string& file, const std::vector
         !(ours && (arrays[i].name == "kind" || arrays[i].name == "open_quads")))
       notes.unused_arrays.push_back(arrays[i].name);
   return chosen;
+}
+
+/// The array that holds lengths: the one asked for, else the first of the usual names (in any case) that is there, else the
+/// only one of one component.
+///
+/// @throws io_error  when that leaves none, with the names of those of one component.
+inline std::string choose_length_array(const std::string& file, const std::vector<CellArrayName>& arrays,
+                                       const std::string& wanted) {
+  constexpr std::array<std::string_view, 10> usual{"size",       "sizes",  "size_field", "mesh_size", "edge_length",
+                                                   "edgelength", "length", "lc",         "h",         "sizing"};
+  std::vector<std::string> known;
+  for (const CellArrayName& array : arrays)
+    if (array.n_components == 1) known.push_back(array.name);
+  if (!wanted.empty() && std::find(known.begin(), known.end(), wanted) != known.end()) return wanted;
+  for (std::size_t u = 0; u < usual.size() && wanted.empty(); ++u)
+    for (const std::string& name : known)
+      if (lower_text(name) == usual[u]) return name;
+  if (wanted.empty() && known.size() == 1) return known[0];
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  throw io_error(file +
+                 (wanted.empty() ? ": which array by point holds the lengths?"
+                                 : ": has no array by point \"" + wanted + "\" of one number a point") +
+                 " (it has " + (list.empty() ? "none" : list) + ")");
 }
 
 /// Labels from values of any type. @throws io_error  for one that is no integer.

@@ -29,7 +29,13 @@ inline std::optional<int> crossing(const Vector3& p, const Vector3& q, const Vec
 
 }  // namespace detail
 
-/// Nearest points on a triangulated surface, and which side of it a point is on.
+/// Where a ray meets a surface.
+struct RayHit {
+  index_t triangle;
+  double distance;  ///< from the ray's begin, > 0
+};
+
+/// Nearest points on a triangulated surface, what a ray meets first, and which side of it a point is on.
 ///
 /// Keeps a copy of the triangles' coordinates in the order of a box tree. All queries are const and safe from several
 /// threads at once; results depend on the surface only.
@@ -94,6 +100,27 @@ public:
                    });
   }
 
+  /// What a ray meets first, within a distance; nothing when it only runs along triangles.
+  ///
+  /// In floating point: a ray through an edge meets one of its triangles or, at worst, passes between them.
+  /// @param direction  a unit vector. @param but  a triangle that is passed through: the one from which the ray starts.
+  std::optional<RayHit> first_hit(const Vector3& from, const Vector3& direction, double reach,
+                                  index_t but = no_index) const {
+    std::optional<RayHit> result;
+    double best = reach;
+    tree_.traverse([&](const auto& bounds) { return bounds.meets_ray(from, direction, best); },
+                   [&](index_t first, index_t count) {
+                     for (index_t i = first; i < first + count; ++i) {
+                       const index_t id = tree_.order()[i];
+                       const double at = id == but ? -1 : distance_along(from, direction, corners_[i]);
+                       if (!(at > 0) || at > best || (result && at == best && id > result->triangle)) continue;
+                       best = at;
+                       result = RayHit{id, at};
+                     }
+                   });
+    return result;
+  }
+
   /// Is the point inside the closed surface? A point exactly on it counts as outside.
   ///
   /// Adds up signed crossings of a segment that leaves the box, decided by exact predicates, so the answer is right for
@@ -114,6 +141,19 @@ public:
   }
 
 private:
+  /// How far along a ray a triangle is; negative when it is missed.
+  ///
+  /// T. Moeller, B. Trumbore, J. Graph. Tools 2 (1997) 21-28.
+  static double distance_along(const Vector3& from, const Vector3& direction, const std::array<Vector3, 3>& t) {
+    const Vector3 ab = t[1] - t[0], ac = t[2] - t[0], across = direction.cross(ac), begin = from - t[0];
+    const double determinant = ab.dot(across);
+    if (std::abs(determinant) <= 1e-14 * ab.norm() * ac.norm()) return -1;
+    const double u = begin.dot(across) / determinant;
+    const Vector3 turned = begin.cross(ab);
+    const double v = direction.dot(turned) / determinant;
+    return u >= 0 && v >= 0 && u + v <= 1 ? ac.dot(turned) / determinant : -1;
+  }
+
   /// End of a segment that leaves the box by the nearest side, tilted differently at each attempt.
   Vector3 far_point(const Vector3& query, int attempt) const {
     const auto& bounds = tree_.nodes().front().bounds;

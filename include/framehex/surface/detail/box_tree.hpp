@@ -42,6 +42,22 @@ public:
       return low[0] <= b.high[0] && b.low[0] <= high[0] && low[1] <= b.high[1] && b.low[1] <= high[1] &&
              low[2] <= b.high[2] && b.low[2] <= high[2];
     }
+    /// Does a ray enter the box before it has gone so far?
+    bool meets_ray(const Vector3& from, const Vector3& direction, double reach) const {
+      double enters = 0, leaves = reach;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double x = from[static_cast<int>(i)], d = direction[static_cast<int>(i)];
+        if (d == 0) {
+          if (x < low[i] || x > high[i]) return false;
+          continue;
+        }
+        const double a = (low[i] - x) / d, b = (high[i] - x) / d;
+        enters = std::max(enters, std::min(a, b));
+        leaves = std::min(leaves, std::max(a, b));
+      }
+      constexpr double rounding = 1 + 1e-12;
+      return enters <= leaves * rounding;
+    }
     double squared_distance(const Vector3& p) const {
       double sum = 0;
       for (std::size_t i = 0; i < 3; ++i) {
