@@ -72,13 +72,16 @@ inline void check_repeated(const SoupSurface& soup) {
                       Entity::triangle, {keys[found][3]});
 }
 
-inline void check_edges(const SoupSurface& soup) {
+/// Whether edges may have more than two triangles.
+enum class SharedEdges { refused, taken };
+
+inline void check_edges(const SoupSurface& soup, SharedEdges shared = SharedEdges::refused) {
   const EdgeUses edges(soup.surface);
   FaultReport open(soup), crowded(soup);
   std::array<index_t, 2> first_open{}, first_crowded{};
   edges.for_each_edge([&](std::size_t i, std::size_t j) {
     const auto& use = edges.uses[i];
-    if (j - i == 2) return;
+    if (j - i == 2 || (j - i > 2 && shared == SharedEdges::taken)) return;
     FaultReport& report = j - i == 1 ? open : crowded;
     if (report.n() == 0) (j - i == 1 ? first_open : first_crowded) = {use.low, use.high};
     std::string who;
@@ -125,6 +128,16 @@ inline void check_closed(const SoupSurface& soup) {
   detail::check_edges(soup);
   detail::check_vertices(soup);
   validate_closed(soup.surface);
+}
+
+/// The same for the complex that several bodies make (`join_bodies`): edges may have more than two triangles, and bodies
+/// touch in edges and vertices.
+///
+/// @throws invalid_coordinate, nonmanifold (triangles that stand twice), open_surface.
+inline void check_complex(const SoupSurface& soup) {
+  detail::check_coordinates(soup.surface);
+  detail::check_repeated(soup);
+  detail::check_edges(soup, detail::SharedEdges::taken);
 }
 
 /// Checks that no two triangles of a closed surface cross or touch but where they share vertices.

@@ -22,6 +22,7 @@ struct SoupSurface {
   std::size_t n_soup_vertices = 0;       ///< before welding
   std::size_t n_dropped_triangles = 0;   ///< two corners welded into one
   std::size_t n_turned_triangles = 0;    ///< orientation was changed
+  std::size_t n_cavities = 0;            ///< closed parts that lie in an odd number of others
   bool welded_by_tolerance = false;      ///< equal coordinates were not enough to close the surface
   double rounding = 0;                   ///< most that a coordinate lost when the file was written in single precision
 };
@@ -157,8 +158,9 @@ inline bool crosses(const Vector3& p, const Vector3& direction, const Vector3& a
 }
 
 /// Turns triangles so that each part is of one orientation (its majority's), outer parts look outward and cavities
-/// inward. Returns how many were turned.
-inline std::size_t orient(IndexedTriangleMesh& mesh) {
+/// inward. Notes how many were turned, and how many cavities there are.
+inline void orient(SoupSurface& soup) {
+  IndexedTriangleMesh& mesh = soup.surface;
   SurfaceParts parts(mesh);
   std::vector<std::size_t> n(parts.n_parts, 0), n_turned(parts.n_parts, 0);
   std::vector<double> volume(parts.n_parts, 0.0);
@@ -182,16 +184,15 @@ inline std::size_t orient(IndexedTriangleMesh& mesh) {
         if (parts.part[t] != k && crosses(vertex[k], direction, corner(t, 0), corner(t, 1), corner(t, 2)))
           is_cavity[k] ^= 1;
 
-  std::size_t count = 0;
+  soup.n_cavities = static_cast<std::size_t>(std::count(is_cavity.begin(), is_cavity.end(), 1));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const index_t k = parts.part[t];
     // Flat parts have no outside; they keep their majority's side.
     const bool turn_part = volume[k] == 0 ? 2 * n_turned[k] > n[k] : (volume[k] < 0) != (is_cavity[k] == 1);
     if ((parts.turn[t] != 0) == turn_part) continue;
     std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-    ++count;
+    ++soup.n_turned_triangles;
   }
-  return count;
 }
 
 }  // namespace detail
@@ -273,7 +274,7 @@ inline SoupSurface surface_of_soup(const IndexedTriangleMesh& soup) {
     }
   }
   result.n_dropped_triangles = soup.triangles.size() - result.surface.triangles.size();
-  result.n_turned_triangles = detail::orient(result.surface);
+  detail::orient(result);
   return result;
 }
 

@@ -59,10 +59,10 @@ public:
     join_sides();
     collect_shells();
     place_floating_shells();
-    number_regions();
   }
 
-  SurfaceRegions regions() const {
+  SurfaceRegions regions() {
+    number_regions();
     if (n_regions_ == 0)
       throw invalid_surface("the surface is inside out: its triangles must be anticlockwise seen from outside");
     SurfaceRegions result;
@@ -78,6 +78,19 @@ public:
       result.sides[surface_.features.triangle_patch[t]] = {behind, front};
     }
     return result;
+  }
+
+  /// Which triangles have to be turned for every closed cell to be a region: space outside lies in front of the outermost,
+  /// and behind every other is the cell that is farther from it. Each cell has a triangle in front of which there is one
+  /// that is nearer.
+  std::vector<std::uint8_t> wrong_for_regions() const {
+    const std::vector<index_t> depth = cell_depths();
+    std::vector<std::uint8_t> wrong(adjacency_.triangles.size(), 0);
+    for (index_t t = 0; t < wrong.size(); ++t) {
+      const index_t behind = cell_of_side(2 * t), front = cell_of_side(2 * t + 1);
+      wrong[t] = front != no_index && (behind == no_index || depth[behind] < depth[front]);
+    }
+    return wrong;
   }
 
 private:
@@ -195,8 +208,33 @@ private:
       if (filled[i]) shells_[i].region = n_regions_++;
   }
 
+  index_t cell_of_side(index_t side) const { return shells_[shell_of_side_[side]].cell; }
+
+  /// How many triangles are passed on the way from a cell to the space outside, at least.
+  std::vector<index_t> cell_depths() const {
+    std::vector<index_t> depth(shells_.size(), no_index), front, next;
+    const Csr<index_t> neighbours = make_csr(shells_.size() + 1, [&](auto&& put) {
+      for (index_t side = 0; side < shell_of_side_.size(); ++side) {
+        const index_t from = cell_of_side(side), to = cell_of_side(side ^ 1u);
+        if (to != no_index && to != from) put(from == no_index ? shells_.size() : from, to);
+      }
+    });
+    front.push_back(static_cast<index_t>(shells_.size()));
+    for (index_t level = 0; !front.empty(); ++level) {
+      next.clear();
+      for (const index_t cell : front)
+        for (const index_t other : neighbours[cell])
+          if (depth[other] == no_index) {
+            depth[other] = level;
+            next.push_back(other);
+          }
+      front.swap(next);
+    }
+    return depth;
+  }
+
   index_t region_of_side(index_t side) const {
-    const index_t cell = shells_[shell_of_side_[side]].cell;
+    const index_t cell = cell_of_side(side);
     return cell == no_index ? no_index : shells_[cell].region;
   }
 
@@ -224,6 +262,21 @@ private:
 /// @par Complexity   O(n log n), and O(parts^2 log n) for the nesting of parts.
 inline SurfaceRegions find_regions(const Surface& surface) {
   return detail::RegionFinder(surface).regions();
+}
+
+/// Turns triangles so that `find_regions` takes every part of space that the surface closes off for a region, none for a
+/// cavity.
+///
+/// @param mesh  no triangles that cross; which way they look does not matter.
+/// @return how many were turned.
+/// @throws open_surface  with an edge that only one triangle has.
+/// @par Complexity   as `find_regions`.
+inline std::size_t turn_to_regions(IndexedTriangleMesh& mesh) {
+  const Surface surface(mesh);
+  const std::vector<std::uint8_t> wrong = detail::RegionFinder(surface).wrong_for_regions();
+  for (std::size_t t = 0; t < wrong.size(); ++t)
+    if (wrong[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), 1));
 }
 
 /// The closed surface of one region, numbered for itself.
