@@ -4,6 +4,7 @@
 // Readers and writers that need no foreign library.
 // clang-format off
 
+#include "framehex/io/bodies.hpp"
 #include "framehex/io/data_array.hpp"
 #include "framehex/io/html_writer.hpp"
 #include "framehex/io/inp_writer.hpp"
@@ -26,6 +27,7 @@
 #include "framehex/io/output_file.hpp"
 #include "framehex/io/ply_reader.hpp"
 #include "framehex/io/polymesh_writer.hpp"
+#include "framehex/io/quadratic_elements.hpp"
 #include "framehex/io/soup_repair.hpp"
 #include "framehex/io/stl_reader.hpp"
 #include "framehex/io/surface_faults.hpp"

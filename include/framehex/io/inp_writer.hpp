@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/io/label_names.hpp"
+#include "framehex/io/quadratic_elements.hpp"
 #include "framehex/io/text_buffer.hpp"
 #include "framehex/mesh/mixed_faces.hpp"
 
@@ -9,8 +10,8 @@ namespace framehex {
 
 /// What a pyramid is in an Abaqus file.
 enum class InpPyramids {
-  own_type,          ///< C3D5, which Abaqus knows
-  degenerate_bricks  ///< C3D8 whose upper four nodes are one, for CalculiX and others that know no pyramids
+  own_type,          ///< C3D5, which Abaqus knows; C3D13 with nodes on the edges
+  degenerate_bricks  ///< C3D8 (C3D20) whose upper four nodes are one, for CalculiX and others that know no pyramids
 };
 
 namespace detail {
@@ -30,13 +31,14 @@ inline int inp_face(CellKind kind, std::size_t local, InpPyramids pyramids) {
 
 class InpWriter {
 public:
-  InpWriter(OutputFile& file, const MixedMesh& mesh, InpPyramids pyramids)
-      : text_(file), mesh_(mesh), pyramids_(pyramids) {}
+  InpWriter(OutputFile& file, const MixedMesh& mesh, InpPyramids pyramids, const MidsideNodes* midside)
+      : text_(file), mesh_(mesh), pyramids_(pyramids), midside_(midside) {}
 
   void write() {
     text_ << "*HEADING\nwritten by framehex\n*NODE, NSET=N_ALL\n";
-    for (std::size_t v = 0; v < mesh_.points.size(); ++v) {
-      const Vector3& p = mesh_.points[v];
+    const std::vector<Vector3> points = points_with(mesh_, midside_);
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      const Vector3& p = points[v];
       text_ << v + 1 << ", " << p.x() << ", " << p.y() << ", " << p.z() << "\n";
     }
     write_elements();
@@ -49,11 +51,27 @@ public:
 private:
   std::string_view type(CellKind kind) const {
     switch (kind) {
-      case CellKind::tetrahedron: return "C3D4";
-      case CellKind::pyramid: return pyramids_ == InpPyramids::own_type ? "C3D5" : "C3D8";
-      case CellKind::prism: return "C3D6";
-      default: return "C3D8";
+      case CellKind::tetrahedron: return midside_ ? "C3D10" : "C3D4";
+      case CellKind::pyramid:
+        if (pyramids_ == InpPyramids::own_type) return midside_ ? "C3D13" : "C3D5";
+        break;
+      case CellKind::prism: return midside_ ? "C3D15" : "C3D6";
+      default: break;
     }
+    return midside_ ? "C3D20" : "C3D8";
+  }
+
+  /// Nodes of a cell's element. Where a brick stands for a pyramid its upper nodes, and those between them, are one.
+  std::vector<std::size_t> nodes_of(std::size_t cell) const {
+    const auto row = mesh_.cells[cell];
+    const bool is_brick = mesh_.kinds[cell] == CellKind::pyramid && pyramids_ == InpPyramids::degenerate_bricks;
+    std::vector<std::size_t> nodes(row.begin(), row.end());
+    if (is_brick) nodes.insert(nodes.end(), 3, row[4]);
+    if (midside_) {
+      append_midside(nodes, *midside_, mesh_.points.size(), row, vtk_edge_order(mesh_.kinds[cell]));
+      if (is_brick) nodes.insert(nodes.end() - 4, 4, row[4]);
+    }
+    return nodes;
   }
 
   /// All elements of one kind together; an element keeps the number of its cell, plus one.
@@ -65,9 +83,9 @@ private:
       for (std::size_t c = 0; c < mesh_.n_cells(); ++c) {
         if (mesh_.kinds[c] != kind) continue;
         text_ << c + 1;
-        for (const index_t v : mesh_.cells[c]) text_ << ", " << std::size_t{v} + 1;
-        if (kind == CellKind::pyramid && pyramids_ == InpPyramids::degenerate_bricks)
-          for (int i = 0; i < 3; ++i) text_ << ", " << std::size_t{mesh_.cells[c][4]} + 1;
+        // A line holds 16 numbers at most; one that ends with a comma goes on.
+        const std::vector<std::size_t> nodes = nodes_of(c);
+        for (std::size_t i = 0; i < nodes.size(); ++i) text_ << (i == 15 ? ",\n" : ", ") << nodes[i] + 1;
         text_ << "\n";
       }
     }
@@ -112,6 +130,12 @@ private:
     }
   }
 
+  void insert_nodes(std::set<std::size_t>& nodes, std::span<const index_t> corners) const {
+    std::vector<std::size_t> all(corners.begin(), corners.end());
+    if (midside_) append_midside(all, *midside_, mesh_.points.size(), corners, face_edge_order(corners.size()));
+    for (const std::size_t v : all) nodes.insert(v + 1);
+  }
+
   void write_node_sets() {
     for (const int dimension : {2, 1})
       for (const auto& [name, labels] : labels_of_plain_names(mesh_, dimension)) {
@@ -119,11 +143,10 @@ private:
         const auto has = [&](index_t label) { return std::binary_search(labels.begin(), labels.end(), label); };
         if (dimension == 2)
           for (const LabelledFace& face : mesh_.faces)
-            for (std::size_t i = 0; has(face.label) && i < face.size(); ++i)
-              nodes.insert(std::size_t{face.vertices[i]} + 1);
+            if (has(face.label)) insert_nodes(nodes, std::span(face.vertices).first(face.size()));
         if (dimension == 1)
           for (const LabelledEdge& edge : mesh_.edges)
-            for (std::size_t i = 0; has(edge.label) && i < 2; ++i) nodes.insert(std::size_t{edge.vertices[i]} + 1);
+            if (has(edge.label)) insert_nodes(nodes, edge.vertices);
         text_ << "*NSET, NSET=N_" << name << "\n";
         write_list({nodes.begin(), nodes.end()});
       }
@@ -164,6 +187,7 @@ private:
   TextBuffer text_;
   const MixedMesh& mesh_;
   InpPyramids pyramids_;
+  const MidsideNodes* midside_;
 };
 
 }  // namespace detail
@@ -174,14 +198,15 @@ private:
 /// @param mesh      regions become element sets (E_ and the group's name, or E_region_0...), patches and curves node sets
 ///                  (N_...), patches surfaces by element face (S_...) too. Without a volume the faces are shells (S3, S4). Characters that a name may not have become _.
 /// @param pyramids  what a pyramid becomes.
+/// @param midside   nodes on its edges, when not null: elements are quadratic.
 /// @throws io_error naming the file.
 /// @par Complexity   O(n log n + n groups).
 /// @par Determinism  Same mesh, same bytes.
 /// @par Source       Abaqus keywords reference; G. Dhondt, CalculiX CrunchiX user's manual. Its corner order is ours.
 inline void write_inp(const std::filesystem::path& path, const MixedMesh& mesh,
-                      InpPyramids pyramids = InpPyramids::own_type) {
+                      InpPyramids pyramids = InpPyramids::own_type, const MidsideNodes* midside = nullptr) {
   OutputFile file(path);
-  detail::InpWriter(file, mesh, pyramids).write();
+  detail::InpWriter(file, mesh, pyramids, midside).write();
   file.commit();
 }
 

@@ -23,6 +23,7 @@ struct MeshWriteOptions {
   VtuCompression compression = {};               ///< of .vtu
   MshVersion msh = MshVersion::v4_1;             ///< of .msh
   InpPyramids pyramids = InpPyramids::own_type;  ///< of .inp
+  const MidsideNodes* midside = nullptr;         ///< for quadratic elements in .vtu, .msh and .inp
 };
 
 /// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb .inp .html, in any case) or the name of a folder
@@ -52,20 +53,31 @@ inline MeshFormat written_mesh_format(const std::filesystem::path& path) {
   return format;
 }
 
+/// Whether a format is written with quadratic elements.
+inline bool holds_quadratic(MeshFormat format) {
+  return format == MeshFormat::vtu || format == MeshFormat::msh || format == MeshFormat::inp;
+}
+
 /// Writes a mesh in the format that the name asks for: .vtu, .msh, .mesh (MEDIT), .inp (Abaqus, CalculiX), .html (a page
 /// that shows it) or a folder polyMesh (OpenFOAM).
 ///
 /// @param data  arrays by cell and point; only .vtu holds them, and .html what it can show of them.
-/// @throws invalid_option, nonmanifold, io_error as the writers do; io_error for another name.
+/// @throws invalid_option, nonmanifold, io_error as the writers do; io_error for another name, and
+///         for nodes on edges in a format that is not written with them.
 inline void write_mesh(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
                        const MeshWriteOptions& options = {}) {
-  switch (written_mesh_format(path)) {
-    case MeshFormat::msh: return options.msh == MshVersion::v2_2 ? write_msh2(path, mesh) : write_msh(path, mesh);
+  const MeshFormat format = written_mesh_format(path);
+  if (options.midside && !holds_quadratic(format))
+    throw io_error(path.string() + ": quadratic elements are written to .vtu, .msh and .inp");
+  switch (format) {
+    case MeshFormat::msh:
+      return options.msh == MshVersion::v2_2 ? write_msh2(path, mesh, options.midside)
+                                             : write_msh(path, mesh, options.midside);
     case MeshFormat::medit: return write_medit(path, mesh);
-    case MeshFormat::inp: return write_inp(path, mesh, options.pyramids);
+    case MeshFormat::inp: return write_inp(path, mesh, options.pyramids, options.midside);
     case MeshFormat::polymesh: return write_polymesh(path, mesh);
     case MeshFormat::html: return write_html(path, mesh, data);
-    default: return write_vtu(path, mesh, data, options.compression);
+    default: return write_vtu(path, mesh, data, options.compression, options.midside);
   }
 }
 

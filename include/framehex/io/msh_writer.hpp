@@ -3,6 +3,7 @@
 
 #include "framehex/io/label_limit.hpp"
 #include "framehex/io/output_file.hpp"
+#include "framehex/io/quadratic_elements.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 
 #include <algorithm>
@@ -24,6 +25,12 @@ constexpr int msh_element_type(int dimension, std::size_t n_corners) {
   }
 }
 
+/// The same for elements with a node on each edge.
+constexpr int msh_quadratic_type(int plain) {
+  constexpr std::array<int, 8> types{0, 8, 9, 16, 11, 17, 18, 19};
+  return types[static_cast<std::size_t>(plain)];
+}
+
 /// Elements of one entity (dimension and label) and one type: a block of the file.
 struct MshBlocks {
   struct Key {
@@ -42,17 +49,20 @@ struct MshBlocks {
     return list;
   }
 
-  explicit MshBlocks(const MixedMesh& mesh) {
-    for (const LabelledEdge& edge : mesh.edges) add(mesh, 1, edge.label, edge.vertices);
-    for (const LabelledFace& face : mesh.faces) add(mesh, 2, face.label, std::span(face.vertices).first(face.size()));
+  explicit MshBlocks(const MixedMesh& mesh, const MidsideNodes* midside = nullptr) : midside_(midside) {
+    for (const LabelledEdge& edge : mesh.edges) add(mesh, 1, edge.label, edge.vertices, face_edge_order(2));
+    for (const LabelledFace& face : mesh.faces)
+      add(mesh, 2, face.label, std::span(face.vertices).first(face.size()), face_edge_order(face.size()));
     for (std::size_t c = 0; c < mesh.n_cells(); ++c)
-      add(mesh, 3, mesh.regions.empty() ? 0 : mesh.regions[c], mesh.cells[c]);
+      add(mesh, 3, mesh.regions.empty() ? 0 : mesh.regions[c], mesh.cells[c], msh_edge_order(mesh.kinds[c]));
   }
 
 private:
-  void add(const MixedMesh& mesh, int dimension, index_t label, std::span<const index_t> corners) {
-    Csr<index_t>& block = blocks[{dimension, label, msh_element_type(dimension, corners.size())}];
+  void add(const MixedMesh& mesh, int dimension, index_t label, std::span<const index_t> corners, EdgeOrder order) {
+    const int plain = msh_element_type(dimension, corners.size());
+    Csr<index_t>& block = blocks[{dimension, label, midside_ ? msh_quadratic_type(plain) : plain}];
     block.values.insert(block.values.end(), corners.begin(), corners.end());
+    if (midside_) append_midside(block.values, *midside_, mesh.points.size(), corners, order);
     block.end_row();
     ++n_elements;
     const Vector3& first = mesh.points[corners[0]];
@@ -62,6 +72,8 @@ private:
       box[1] = box[1].cwiseMax(mesh.points[v]);
     }
   }
+
+  const MidsideNodes* midside_;
 };
 
 /// Entities and physical groups are numbered from 1. @pre the label is at most `greatest_label`.
@@ -124,8 +136,8 @@ inline void write_msh_entities(OutputFile& file, const MshBlocks& blocks, const 
   file.write("\n$EndEntities\n");
 }
 
-inline void write_msh_nodes(OutputFile& file, const MixedMesh& mesh, const MshBlocks& blocks) {
-  const std::uint64_t n = mesh.points.size();
+inline void write_msh_nodes(OutputFile& file, const std::vector<Vector3>& points, const MshBlocks& blocks) {
+  const std::uint64_t n = points.size();
   const auto owner = blocks.entities.empty() ? std::pair<int, index_t>{3, 0} : blocks.entities.rbegin()->first;
   file.write("$Nodes\n");
   const std::array<std::uint64_t, 4> header{1, n, 1, n};
@@ -135,7 +147,7 @@ inline void write_msh_nodes(OutputFile& file, const MixedMesh& mesh, const MshBl
   file.write_values(block.data(), block.size());
   file.write_value(n);
   for (std::uint64_t tag = 1; tag <= n; ++tag) file.write_value(tag);
-  for (const Vector3& p : mesh.points) file.write_values(p.data(), 3);
+  for (const Vector3& p : points) file.write_values(p.data(), 3);
   file.write("\n$EndNodes\n");
 }
 
@@ -163,20 +175,21 @@ inline void write_msh_elements(OutputFile& file, const MshBlocks& blocks) {
 /// @param path  the file; appears whole or not at all (`OutputFile`).
 /// @param mesh  each label of regions, faces and edges makes an entity of that number plus one (Gmsh counts from 1), in
 ///              the physical groups that `mesh.groups` names, or one of its own named `region_0`, `patch_0`, `curve_0`...
+/// @param midside  nodes on its edges, when not null: elements are quadratic.
 /// @throws io_error naming the file; for a label beyond 2^31 - 2 too.
 /// @par Complexity   O(n log labels); connectivity is held once more in memory.
 /// @par Determinism  Same mesh, same bytes (on machines of one byte order, which the file states).
 /// @par Source       Gmsh reference manual, MSH file format version 4.1; its corner order is ours.
-inline void write_msh(const std::filesystem::path& path, const MixedMesh& mesh) {
+inline void write_msh(const std::filesystem::path& path, const MixedMesh& mesh, const MidsideNodes* midside = nullptr) {
   detail::check_labels_fit(path.string(), mesh);
-  const detail::MshBlocks blocks(mesh);
+  const detail::MshBlocks blocks(mesh, midside);
   const detail::MshGroups groups(mesh, blocks.entity_list());
   OutputFile file(path);
   file.write("$MeshFormat\n4.1 1 8\n");
   file.write_value(1);  // shows the byte order
   file.write("\n$EndMeshFormat\n" + groups.names());
   detail::write_msh_entities(file, blocks, groups);
-  detail::write_msh_nodes(file, mesh, blocks);
+  detail::write_msh_nodes(file, detail::points_with(mesh, midside), blocks);
   detail::write_msh_elements(file, blocks);
   file.commit();
 }

@@ -23,7 +23,14 @@ enum CellType : std::uint8_t {
   voxel = 11,
   hexahedron = 12,
   wedge = 13,
-  pyramid = 14
+  pyramid = 14,
+  quadratic_line = 21,
+  quadratic_triangle = 22,
+  quadratic_quad = 23,
+  quadratic_tetrahedron = 24,
+  quadratic_hexahedron = 25,
+  quadratic_wedge = 26,
+  quadratic_pyramid = 27
 };
 
 /// What the names of field data that name labels begin with, by dimension.
@@ -32,6 +39,13 @@ inline constexpr std::array<std::string_view, 4> group_prefixes{"points:", "curv
 /// VTK's number of a kind.
 constexpr CellType cell_type(CellKind kind) {
   constexpr std::array<CellType, 4> types{tetrahedron, pyramid, wedge, hexahedron};
+  return types[static_cast<std::size_t>(kind)];
+}
+
+/// VTK's number of a kind with a node on each edge.
+constexpr CellType quadratic_cell_type(CellKind kind) {
+  constexpr std::array<CellType, 4> types{quadratic_tetrahedron, quadratic_pyramid, quadratic_wedge,
+                                          quadratic_hexahedron};
   return types[static_cast<std::size_t>(kind)];
 }
 

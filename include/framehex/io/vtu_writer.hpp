@@ -3,6 +3,7 @@
 
 #include "framehex/io/data_array.hpp"
 #include "framehex/io/output_file.hpp"
+#include "framehex/io/quadratic_elements.hpp"
 #include "framehex/io/vtk_cells.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 
@@ -27,37 +28,54 @@ struct VtuCells {
   std::vector<std::uint8_t> types, kinds;
   std::vector<index_t> labels;
 
-  explicit VtuCells(const MixedMesh& mesh) {
+  VtuCells(const MixedMesh& mesh, const MidsideNodes* midside) : mesh_(mesh), midside_(midside) {
     for (std::size_t c = 0; c < mesh.n_cells(); ++c) {
       const CellKind kind = mesh.kinds[c];
-      for (std::size_t i = 0; i < mesh.cells[c].size(); ++i)
-        connectivity.push_back(mesh.cells[c][vtk::corner(kind, i)]);
-      end_cell(vtk::cell_type(kind), static_cast<std::uint8_t>(kind), mesh.regions.empty() ? 0 : mesh.regions[c]);
+      std::array<index_t, 8> corners{};
+      const std::size_t n = mesh.cells[c].size();
+      for (std::size_t i = 0; i < n; ++i) corners[i] = mesh.cells[c][vtk::corner(kind, i)];
+      add(std::span(corners).first(n), vtk_edge_order(kind),
+          midside ? vtk::quadratic_cell_type(kind) : vtk::cell_type(kind), static_cast<std::uint8_t>(kind),
+          mesh.regions.empty() ? 0 : mesh.regions[c]);
     }
     for (const LabelledFace& face : mesh.faces) {
-      connectivity.insert(connectivity.end(), face.vertices.begin(),
-                          face.vertices.begin() + static_cast<std::ptrdiff_t>(face.size()));
-      if (face.size() == 3)
-        end_cell(vtk::triangle, 4, face.label);
-      else
-        end_cell(vtk::quad, 5, face.label);
+      const bool is_triangle = face.size() == 3;
+      const vtk::CellType plain = is_triangle ? vtk::triangle : vtk::quad;
+      const vtk::CellType quadratic = is_triangle ? vtk::quadratic_triangle : vtk::quadratic_quad;
+      add(std::span(face.vertices).first(face.size()), face_edge_order(face.size()), midside ? quadratic : plain,
+          is_triangle ? 4 : 5, face.label);
     }
-    for (const LabelledEdge& edge : mesh.edges) {
-      connectivity.insert(connectivity.end(), edge.vertices.begin(), edge.vertices.end());
-      end_cell(vtk::line, 6, edge.label);
-    }
+    for (const LabelledEdge& edge : mesh.edges)
+      add(edge.vertices, face_edge_order(2), midside ? vtk::quadratic_line : vtk::line, 6, edge.label);
   }
 
   std::size_t size() const { return types.size(); }
 
 private:
-  void end_cell(vtk::CellType type, std::uint8_t kind, index_t label) {
+  void add(std::span<const index_t> corners, EdgeOrder order, vtk::CellType type, std::uint8_t kind, index_t label) {
+    connectivity.insert(connectivity.end(), corners.begin(), corners.end());
+    if (midside_) append_midside(connectivity, *midside_, mesh_.points.size(), corners, order);
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
     types.push_back(type);
     kinds.push_back(kind);
     labels.push_back(label);
   }
+
+  const MixedMesh& mesh_;
+  const MidsideNodes* midside_;
 };
+
+/// Rows by point, with those of the nodes on edges: each has that of its edge's first end.
+inline DataArray with_midside_rows(DataArray array, const MidsideNodes& midside) {
+  std::visit(
+      [&](auto& values) {
+        for (const auto& edge : midside.edges)
+          for (std::size_t i = 0; i < array.n_components; ++i)
+            values.push_back(values[edge[0] * array.n_components + i]);
+      },
+      array.values);
+  return array;
+}
 
 /// Text as the value of an XML attribute.
 inline std::string xml_escaped(std::string_view text) {
@@ -183,6 +201,8 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
 /// @param data  arrays of n_cells and n_points rows; those by cell are by face where the mesh has no volume. Faces and edges have NaN (integers: 0) in the arrays by cell. Two
 ///              arrays are always written: `kind` (0 tetrahedron, 1 pyramid, 2 prism, 3 hexahedron, 4 triangle,
 ///              5 quadrilateral, 6 edge) and `label` (region, patch or curve). Names of labels are field data.
+/// @param midside      nodes on its edges, when not null: cells, faces and edges are quadratic, and rows by point of these
+///                     nodes are those of an end of their edge.
 /// @param compression  of the arrays; they are held packed in memory then.
 /// @throws invalid_option  for an array of another length; io_error naming the file.
 /// @par Complexity   O(n); connectivity is held once more in memory.
@@ -190,22 +210,26 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
 /// @par Source       VTK file formats, XML, version 1.0: appended raw data, 64-bit headers. Prisms in the order of
 ///                   VTK's manual (vtk_cells.hpp).
 inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
-                      const VtuCompression& compression = {}) {
+                      const VtuCompression& compression = {}, const MidsideNodes* midside = nullptr) {
   static_assert(sizeof(Vector3) == 3 * sizeof(double));
   detail::check_rows(path.string(), mesh.n_cells() > 0 ? mesh.n_cells() : mesh.faces.size(), mesh.points.size(), data);
-  const detail::VtuCells cells(mesh);
+  const detail::VtuCells cells(mesh, midside);
+  const std::vector<Vector3> points = detail::points_with(mesh, midside);
+  std::vector<DataArray> by_point = data.points;
+  if (midside)
+    for (DataArray& array : by_point) array = detail::with_midside_rows(std::move(array), *midside);
   detail::VtuDocument document(compression);
 
-  const double* const coordinates = mesh.points.empty() ? nullptr : mesh.points.front().data();
+  const double* const coordinates = points.empty() ? nullptr : points.front().data();
   std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
   head += std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
   head += "\" header_type=\"UInt64\"";
   if (compression.pack) head += " compressor=\"" + compression.name + "\"";
   document.text(head + ">\n  <UnstructuredGrid>\n");
   detail::add_groups(document, mesh.groups);
-  document.text("    <Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +
+  document.text("    <Piece NumberOfPoints=\"" + std::to_string(points.size()) + "\" NumberOfCells=\"" +
                 std::to_string(cells.size()) + "\">\n      <Points>\n");
-  document.array("Points", 3, coordinates, 3 * mesh.points.size());
+  document.array("Points", 3, coordinates, 3 * points.size());
   document.text("      </Points>\n      <Cells>\n");
   document.array("connectivity", 1, cells.connectivity.data(), cells.connectivity.size());
   document.array("offsets", 1, cells.offsets.data(), cells.size());
@@ -215,7 +239,7 @@ inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, 
   document.array("label", 1, cells.labels.data(), cells.size());
   for (const DataArray& array : data.cells) document.array(array, cells.size());
   document.text("      </CellData>\n      <PointData>\n");
-  for (const DataArray& array : data.points) document.array(array, mesh.points.size());
+  for (const DataArray& array : by_point) document.array(array, points.size());
   document.text("      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n");
 
   OutputFile file(path);
