@@ -1,58 +1,26 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/compiled.hpp"
+#include "framehex/adapters/mesh_reader.hpp"
 
-#include "framehex/field/vertex_size_field.hpp"
+#include "framehex/io/bodies.hpp"
 #include "framehex/io/surface_faults.hpp"
-#include "framehex/io/surface_reader.hpp"
+#include "framehex/pipeline/memory_estimate.hpp"
+#include "framehex/surface/feature_carriers.hpp"
+#include "framehex/surface/regions.hpp"
 
 #include "commands.hpp"
 #include "library_options.hpp"
 #include "report.hpp"
+#include "sizes.hpp"
 
 namespace program {
 
 namespace {
 
-/// More cubes of the size than this in the surface are taken for a mistake: memory ends before.
-constexpr double most_cells = 2e7;
-
-double enclosed_volume(const framehex::IndexedTriangleMesh& surface) {
-  double sum = 0;
-  const framehex::Vector3 origin = surface.points[0];
-  for (const auto& t : surface.triangles)
-    sum += (surface.points[t[0]] - origin).dot((surface.points[t[1]] - origin).cross(surface.points[t[2]] - origin));
-  return sum / 6;
-}
-
-/// The wished edge length, checked against the box of the surface.
-double edge_length(const Options& options, const framehex::IndexedTriangleMesh& surface) {
-  const double volume = enclosed_volume(surface);
-  if (!(volume > 0)) throw framehex::invalid_surface("the surface encloses no volume; does it cross itself?");
-  const double size =
-      options.size ? *options.size : std::cbrt(volume / static_cast<double>(options.cells.value_or(10'000)));
-  Eigen::AlignedBox3d box;
-  for (const framehex::Vector3& p : surface.points) box.extend(p);
-  char text[200];
-  if (!(size > 0) || !std::isfinite(size)) {
-    std::snprintf(text, sizeof text, "size %g is not a positive number", size);
-    throw framehex::invalid_option(text);
-  }
-  if (size > box.diagonal().norm()) {
-    std::snprintf(text, sizeof text, "size %g is more than the diagonal of the surface's box, %g", size,
-                  box.diagonal().norm());
-    throw framehex::invalid_option(text);
-  }
-  if (volume / (size * size * size) > most_cells) {
-    std::snprintf(text, sizeof text, "size %g asks for %.2g cells, more than %.0g", size, volume / (size * size * size),
-                  most_cells);
-    throw framehex::invalid_option(text);
-  }
-  return size;
-}
-
-framehex::SoupSurface read_repaired(const Options& options) {
+framehex::SoupSurface read_repaired(const Options& options, framehex::MeshReadNotes& notes) {
   framehex::SoupRepair repair;
-  framehex::SoupSurface soup = framehex::read_surface_repaired(options.input, *options.repair, repair);
+  framehex::SoupSurface soup =
+      framehex::read_any_surface_repaired(options.input, *options.repair, repair, {.regions = options.regions}, &notes);
   if (repair.n_repeated > 0) remark(options, "repeated triangles were dropped: " + std::to_string(repair.n_repeated));
   if (repair.n_split > 0)
     remark(options, "edges were split at vertices in their middle: " + std::to_string(repair.n_split));
@@ -65,7 +33,7 @@ framehex::SoupSurface read_repaired(const Options& options) {
 }
 
 bool repair_mends(const Options& options) {
-  framehex::SurfaceSoup soup = framehex::read_surface_soup(options.input);
+  framehex::SurfaceSoup soup = framehex::read_any_surface_soup(options.input, {.regions = options.regions});
   framehex::repair_soup(soup);
   try {
     framehex::check_closed(framehex::surface_of_soup(soup));
@@ -75,21 +43,61 @@ bool repair_mends(const Options& options) {
   }
 }
 
-void check_input(const framehex::SoupSurface& soup, const Options& options) {
+/// Are these bodies that touch in whole triangles?
+bool bodies_touch(framehex::SoupSurface soup) {
+  try {
+    framehex::merge_walls(soup);
+    framehex::check_complex(soup);
+    framehex::check_crossings(soup);
+    framehex::turn_to_regions(soup.surface);
+    return framehex::find_regions(framehex::Surface(soup.surface)).n_regions > 1;
+  } catch (const framehex::error&) {
+    return false;
+  }
+}
+
+/// Checks the surface, and turns it to bound what is wanted.
+void check_input(framehex::SoupSurface& soup, const Options& options) {
+  if (options.bodies == "regions") {
+    framehex::check_complex(soup);
+    framehex::check_crossings(soup);
+    framehex::turn_to_regions(soup.surface);
+    return;
+  }
   try {
     framehex::check_closed(soup);
-  } catch (const framehex::error&) {
+  } catch (const framehex::nonmanifold&) {
+    if (bodies_touch(soup))
+      remark(options, "--bodies regions would make a region of each body:");
+    else if (!options.repair && repair_mends(options))
+      remark(options, "--repair would mend this:");
+    throw;
+  } catch (const framehex::open_surface&) {
     if (!options.repair && repair_mends(options)) remark(options, "--repair would mend this:");
     throw;
   }
   framehex::check_crossings(soup);
+  if (soup.n_cavities > 0)
+    remark(options, (soup.n_cavities == 1 ? std::string("a closed part of the surface lies")
+                                          : std::to_string(soup.n_cavities) + " closed parts of the surface lie") +
+                        " within another: void, or a region with --bodies regions");
 }
 
 framehex::SoupSurface read_input(const Options& options) {
-  framehex::SoupSurface soup = options.repair ? read_repaired(options) : framehex::read_surface(options.input);
-  if (soup.n_turned_triangles > 0)
-    remark(options, std::to_string(soup.n_turned_triangles) + " of " + std::to_string(soup.surface.triangles.size()) +
-                        " triangles were turned to look outward");
+  framehex::MeshReadNotes notes;
+  framehex::SoupSurface soup = options.repair
+                                   ? read_repaired(options, notes)
+                                   : framehex::read_any_surface(options.input, {.regions = options.regions}, &notes);
+  remark_arrays(options, notes, "patches");
+  if (options.bodies == "regions") {
+    if (const std::size_t n = framehex::merge_walls(soup); n > 0)
+      remark(options,
+             std::to_string(n) + " triangles in which bodies touch others were dropped: each pair of faces is one");
+  } else {
+    if (soup.n_turned_triangles > 0)
+      remark(options, std::to_string(soup.n_turned_triangles) + " of " + std::to_string(soup.surface.triangles.size()) +
+                          " triangles were turned to look away from the material");
+  }
   if (soup.welded_by_tolerance) remark(options, "vertices within a millionth of its box were welded to close it");
   const double share = soup.rounding / framehex::bounding_box(soup.surface.points).diagonal().norm();
   if (share > 1e-5) {
@@ -119,7 +127,8 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
                      nlohmann::ordered_json& json) {
   const auto place = [](const framehex::Vector3& p) { return std::vector<double>{p.x(), p.y(), p.z()}; };
   auto& sizes = json["sizes"];
-  sizes = {{"wished", size}, {"least", size}, {"limited_places", result.size_limits.size()}};
+  sizes["least"] = size;
+  sizes["limited_places"] = result.size_limits.size();
   for (const framehex::SizeLimit& limit : result.size_limits)
     sizes["limits"].push_back({{"place", place(limit.place)}, {"length", limit.length}});
   if (!result.size_limits.empty()) {
@@ -144,25 +153,57 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
                         near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
 }
 
+/// @throws framehex::invalid_option  when more memory is likely to be taken than is allowed.
+void check_memory(const Options& options, const framehex::SoupSurface& soup, const framehex::FeatureOptions& features,
+                  const framehex::GradedSize& size) {
+  if (!options.memory) return;
+  const framehex::Surface surface(soup.surface, features);
+  const framehex::MemoryEstimate needed = framehex::estimate_memory(surface, framehex::find_regions(surface), size);
+  if (needed.n_bytes <= *options.memory) return;
+  char text[200];
+  std::snprintf(text, sizeof text, "about %.3g MB are needed for about %.3g points, more than --memory %.3g MB allows",
+                needed.n_bytes / 1e6, needed.n_points, *options.memory / 1e6);
+  throw framehex::invalid_option(text);
+}
+
+/// Nodes on the edges, on the patches and curves of the surface as it was given.
+framehex::MidsideNodes quadratic_nodes(const framehex::MixedMesh& mesh, const framehex::SoupSurface& soup,
+                                       const framehex::FeatureOptions& features, nlohmann::ordered_json& json) {
+  framehex::Surface surface(soup.surface, features);
+  if (!soup.patches.empty()) {  // these are the labels of the mesh's faces
+    surface.features.triangle_patch = soup.patches;
+    surface.features.n_patches = static_cast<framehex::index_t>(soup.patch_names.size());
+  }
+  const framehex::FeatureCarriers carriers(surface);
+  framehex::MidsideNodes nodes = framehex::midside_nodes(
+      mesh, [&](int dimension, framehex::index_t label, const framehex::Vector3& middle) -> framehex::Vector3 {
+        return dimension == 1 ? carriers.onto_curve(label, middle) : carriers.onto_patch(label, middle).point;
+      });
+  json["quadratic"] = {
+      {"edges", nodes.edges.size()}, {"curved", nodes.n_curved}, {"straightened", nodes.n_straightened}};
+  return nodes;
+}
+
 }  // namespace
 
 bool mesh(const Options& options, const framehex::Observer& observer) {
-  const framehex::SoupSurface soup = read_input(options);
-  const framehex::IndexedTriangleMesh& surface = soup.surface;
+  framehex::SoupSurface soup = read_input(options);
   check_input(soup, options);
-  const double size = edge_length(options, surface);
+  const framehex::IndexedTriangleMesh& surface = soup.surface;
   framehex::MeshingOptions meshing;
   meshing.features = feature_options(options);
   meshing.features.patches = soup.patches;
+  nlohmann::ordered_json json_of_sizes;
+  const framehex::GradedSize sizes = make_size(options, soup, meshing.features, json_of_sizes);
+  check_memory(options, soup, meshing.features, sizes);
   meshing.field.method = field_method(options);
   meshing.order = options.order == "fifo"      ? framehex::PointOrder::fifo
                   : options.order == "lattice" ? framehex::PointOrder::lattice
                                                : framehex::PointOrder::smoothness;
   meshing.recombination = recombine_options(options, {});
   meshing.observer = observer;
-  framehex::MeshingResult result =
-      framehex::mesh_surface(surface, framehex::ConstantSize{size}, framehex::TetgenProcess{}, meshing,
-                             framehex::ThreadExecutor(options.threads));
+  framehex::MeshingResult result = framehex::mesh_surface(surface, sizes, framehex::TetgenProcess{}, meshing,
+                                                          framehex::ThreadExecutor(options.threads));
   if (result.status == framehex::Status::cancelled) return false;
 
   framehex::MixedMesh& mesh = result.recombination.mesh;
@@ -182,18 +223,22 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   const bool lattice_is_left = meshing.order == framehex::PointOrder::lattice && s.order != meshing.order;
   if (options.order == "lattice")
     json["lattice"] = {{"volume", s.lattice_volume}, {"replaced_by_fronts", lattice_is_left}};
+  json["regions"] = s.n_regions;
   json["points"] = {{"surface", s.n_surface_points},
                     {"volume", s.n_volume_points},
                     {"unremoved", s.n_unremoved_vertices},
                     {"background_tetrahedra", s.n_background_tets},
                     {"tetrahedra", s.n_tets}};
-  tell_exceptions(options, result, size, json);
+  json.update(json_of_sizes);
+  tell_exceptions(options, result, sizes.options().most, json);
   finish(json, options);
-  json["options"]["size"] = size;
+  json["options"]["size"] = sizes.options().most;
   const framehex::MeshData data{.cells = cell_arrays(measures),
                                 .points = {framehex::frame_array(result.frames), {"smoothness", result.smoothness}},
                                 .lines = result.singular_lines};
-  write_results(options, mesh, data, json);
+  std::optional<framehex::MidsideNodes> midside;
+  if (options.quadratic) midside = quadratic_nodes(mesh, soup, meshing.features, json);
+  write_results(options, mesh, data, json, midside ? &*midside : nullptr);
   end_progress();
   if (lattice_is_left)
     remark(options,

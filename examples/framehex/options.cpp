@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <limits>
 
 namespace program {
 
@@ -58,6 +59,49 @@ void add_run(CLI::App& command, Options& options) {
       ->check(in_range(0, 1024, "a number of threads from 0 to 1024"))
       ->type_name("N");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors");
+}
+
+/// @param size, cells  the options that say how large cells are by one number.
+void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Option* cells) {
+  const auto patch_size = CLI::Validator(
+      [](const std::string& word) -> std::string {
+        const std::size_t sign = word.rfind('=');
+        try {
+          if (sign != word.npos && sign > 0 && std::stod(word.substr(sign + 1)) > 0) return {};
+        } catch (const std::exception&) {
+        }
+        return word + " is not PATCH=H with a positive length";
+      },
+      "");
+  const auto positive = in_range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(), "positive");
+  command
+      .add_option("--size-field", options.size_field,
+                  "Wished edge lengths at the points of a mesh of tetrahedra or of a surface")
+      ->type_name("FILE.vtu")
+      ->excludes(size)
+      ->excludes(cells);
+  command.add_option("--size-array", options.size_array, "Which array by point of that file holds the lengths")
+      ->type_name("ARRAY");
+  command.add_option("--curvature", options.segments, "So many edges go round a circle as curved as the surface")
+      ->check(in_range(3, 1e4, "a number from 3 to 10000"))
+      ->type_name("N");
+  command.add_option("--cells-across", options.cells_across, "So many cells go across walls that are thin")
+      ->check(in_range(1, 1000, "a number from 1 to 1000"))
+      ->type_name("N");
+  command
+      .add_option("--size-on", options.size_on,
+                  "Edge length on a patch, by its name or the number it has in the output; can be repeated")
+      ->check(patch_size)
+      ->type_name("PATCH=H")
+      ->allow_extra_args(false);
+  command.add_option("--least", options.least, "No size is smaller; a tenth of the wished size without it")
+      ->check(positive)
+      ->type_name("H");
+  command.add_option("--most", options.most, "No size is larger")->check(positive)->type_name("H");
+  command.add_option("--gradation", options.growth, "How fast sizes grow: by so much of the distance")
+      ->check(in_range(0.01, 10, "a number from 0.01 to 10"))
+      ->type_name("G")
+      ->capture_default_str();
 }
 
 void add_features(CLI::App& command, Options& options) {
@@ -118,7 +162,10 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   app.set_version_flag("--version", FRAMEHEX_VERSION);
   app.require_subcommand(1);
 
-  CLI::App& mesh = *app.add_subcommand("mesh", "Mesh the inside of a closed surface (.stl .obj .off .ply)");
+  CLI::App& mesh = *app.add_subcommand(
+      "mesh", "Mesh the inside of a closed surface (.stl .obj .off .ply .vtu .vtk .msh .mesh .meshb)");
+  mesh.add_option("--patches", options.regions, "Array by cell of a .vtu or .vtk surface that tells the patches")
+      ->type_name("ARRAY");
   add_input(mesh, options, "The surface");
   add_output(
       mesh, options,
@@ -126,11 +173,18 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       "page that shows it");
   auto* const size =
       mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
-  mesh.add_option("--cells", options.cells,
-                  "Size of which so many cubes have the volume of the body; without either, 10000")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
-      ->type_name("N")
-      ->excludes(size);
+  auto* const cells = mesh.add_option("--cells", options.cells,
+                                      "Size of which so many cubes have the volume of the body; without either, 10000")
+                          ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
+                          ->type_name("N")
+                          ->excludes(size);
+  add_sizes(mesh, options, size, cells);
+  auto* const bodies =
+      mesh.add_option("--bodies", options.bodies,
+                      "What closed parts of the surface within others bound: voids, or regions; with regions, faces in "
+                      "which bodies touch become one, between them")
+          ->check(CLI::IsMember({"void", "regions"}))
+          ->capture_default_str();
   mesh.add_option(
           "--repair", options.repair,
           "Mend the surface: weld vertices nearer than T of its box's diagonal (1e-4 without T) where that closes "
@@ -138,13 +192,19 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->check(in_range(0, 0.01, "a tolerance from 0 to 0.01"))
       ->type_name("[T]")
       ->expected(0, 1)
+      ->excludes(bodies)
       ->default_str("1e-4");
   add_field(mesh, options);
   mesh.add_option("--order", options.order,
                   "Placement of points: by fronts, smoothest field first or first in first out, or as one lattice")
       ->check(CLI::IsMember({"smoothness", "fifo", "lattice"}))
       ->capture_default_str();
+  mesh.add_flag("--quadratic", options.quadratic,
+                "Quadratic elements, their nodes on the surface where cells stay valid: .vtu, .msh and .inp");
   add_recombination(mesh, options);
+  mesh.add_option("--memory", options.memory, "Refuse before any work what is estimated to take more: 500MB, 8GB")
+      ->transform(CLI::AsSizeValue(true))
+      ->type_name("BYTES");
   add_run(mesh, options);
 
   CLI::App& recombine =
@@ -164,7 +224,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   CLI::App& plane = *app.add_subcommand("plane", "Mesh a planar domain with quadrilaterals");
   add_input(plane, options, "Its outline: loops as text (a point \"x y\" a line), or lines of an .obj file or a mesh");
   CLI::App& shell = *app.add_subcommand("shell", "Mesh a surface, open or closed, with quadrilaterals");
-  add_input(shell, options, "The surface (.stl .obj .off .ply)");
+  add_input(shell, options, "The surface (.stl .obj .off .ply .vtu .vtk .msh .mesh .meshb)");
   for (CLI::App* const command : {&plane, &shell}) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
     command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
@@ -229,9 +289,18 @@ nlohmann::ordered_json to_json(const Options& options) {
   json["command"] = names[static_cast<int>(options.command)];
   json["input"] = options.input;
   if (!options.output.empty()) json["output"] = options.output;
-  if (!options.regions.empty()) json["regions"] = options.regions;
+  if (!options.regions.empty()) json[is_mesh ? "patches" : "regions"] = options.regions;
   if (options.size) json["size"] = *options.size;
   if (options.cells) json["cells"] = *options.cells;
+  if (!options.size_field.empty()) json["size_field"] = options.size_field;
+  if (!options.size_array.empty()) json["size_array"] = options.size_array;
+  if (!options.size_on.empty()) json["size_on"] = options.size_on;
+  if (options.segments) json["curvature"] = *options.segments;
+  if (options.cells_across) json["cells_across"] = *options.cells_across;
+  if (options.least) json["least"] = *options.least;
+  if (options.most) json["most"] = *options.most;
+  if (options.memory) json["memory"] = *options.memory;
+  if (is_mesh) json["gradation"] = options.growth;
   if (is_mesh || is_field) {
     json["field"] = options.field;
     json["features"] = options.feature_degrees;
@@ -240,6 +309,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_quads) json["match"] = options.match;
   if (is_quads) json["improvement"] = options.improve;
   if (is_mesh || is_quads) json["order"] = options.order;
+  if (is_mesh) json["bodies"] = options.bodies;
   if (options.repair) json["repair"] = *options.repair;
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
@@ -250,6 +320,7 @@ nlohmann::ordered_json to_json(const Options& options) {
     json["improvement"] = options.improve;
     json["finite_volume"] = options.finite_volume;
     json["seed"] = options.seed;
+    if (options.quadratic) json["quadratic"] = true;
   }
   if (options.command == Command::recombine) {
     json["ignore_faces"] = options.ignore_faces;

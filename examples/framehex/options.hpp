@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace program {
 
@@ -14,10 +15,17 @@ enum class Command { mesh, recombine, field, inspect, view, plane, shell };
 
 struct Options {
   Command command = Command::mesh;
-  std::string input, output, report;  // names of files; empty: none
-  std::string regions;                // array by cell that holds the labels; empty: one of the usual names
-  std::optional<double> size;         // wished edge length
-  std::optional<std::size_t> cells;   // or about so many cells
+  std::string input, output, report;   // names of files; empty: none
+  std::string regions;                 // array by cell that holds the labels; empty: one of the usual names
+  std::optional<double> size;          // wished edge length
+  std::optional<std::size_t> cells;    // or about so many cells
+  std::string size_field, size_array;  // file with lengths at points; the array by point that holds them
+  std::vector<std::string> size_on;    // PATCH=H
+  std::optional<double> segments;      // of a circle
+  std::optional<double> cells_across;  // thin walls
+  std::optional<double> least, most;   // sizes
+  double growth = 0.3;                 // of sizes, by distance
+  std::optional<double> memory;        // bytes
   std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
   std::string match = "exact", crosses;  // of plane and shell: how triangles are joined; file for the cross field
   double feature_degrees = 40;
@@ -32,6 +40,8 @@ struct Options {
   std::optional<double> repair;                     // largest tolerance by the box's diagonal; empty: none
   bool compress = false;                            // arrays of .vtu
   std::string msh = "4.1", pyramids = "own";        // how .msh and .inp are written
+  std::string bodies = "void";                      // what parts of the surface within others are
+  bool quadratic = false;                           // a node on each edge
   bool ignore_faces = false, ignore_edges = false;  // labels of the input
 };
 

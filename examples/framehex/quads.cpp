@@ -2,7 +2,6 @@
 #include "framehex/adapters/lemon_matcher.hpp"
 #include "framehex/adapters/mesh_reader.hpp"
 #include "framehex/io/outline_reader.hpp"
-#include "framehex/io/surface_reader.hpp"
 #include "framehex/pipeline/mesh_planar.hpp"
 #include "framehex/pipeline/mesh_shell.hpp"
 #include "framehex/verify/quad_quality.hpp"
@@ -119,7 +118,7 @@ bool plane(const Options& options, const framehex::Observer& observer) {
 }
 
 bool shell(const Options& options, const framehex::Observer& observer) {
-  const framehex::SoupSurface soup = framehex::read_surface(options.input);
+  const framehex::SoupSurface soup = framehex::read_any_surface(options.input);
   return mesh_quads(options, observer, [&](const auto& size, const auto& matcher, auto meshing) {
     meshing.features.patches = soup.patches;
     return framehex::mesh_shell(soup.surface, size, matcher, meshing);

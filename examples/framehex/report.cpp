@@ -91,15 +91,19 @@ void remark(const Options& options, const std::string& text) {
   if (!options.quiet) std::fprintf(stderr, "framehex: %s: %s\n", options.input.c_str(), text.c_str());
 }
 
-framehex::MixedMesh read_input_mesh(const Options& options) {
-  framehex::MeshReadNotes notes;
-  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.regions = options.regions}, &notes);
+void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes, const std::string& labels) {
   std::string unused;
   for (const std::string& name : notes.unused_arrays) unused += (unused.empty() ? "\"" : "\", \"") + name;
   if (!unused.empty())
-    remark(options, (notes.label_array.empty() ? "no array was taken for regions"
-                                               : "regions are those of \"" + notes.label_array + "\"") +
+    remark(options, (notes.label_array.empty() ? "no array was taken for " + labels
+                                               : labels + " are those of \"" + notes.label_array + "\"") +
                         "; arrays of integers by cell not used: " + unused + "\"");
+}
+
+framehex::MixedMesh read_input_mesh(const Options& options) {
+  framehex::MeshReadNotes notes;
+  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.regions = options.regions}, &notes);
+  remark_arrays(options, notes, "regions");
   return mesh;
 }
 
@@ -121,8 +125,9 @@ std::vector<framehex::DataArray> cell_arrays(const Measures& measures) {
 }
 
 void write_results(const Options& options, const framehex::MixedMesh& mesh, const framehex::MeshData& data,
-                   const nlohmann::ordered_json& json) {
+                   const nlohmann::ordered_json& json, const framehex::MidsideNodes* midside) {
   framehex::MeshWriteOptions write;
+  write.midside = midside;
   if (options.compress) write.compression = framehex::zlib_compression();
   if (options.msh == "2.2") write.msh = framehex::MshVersion::v2_2;
   if (options.pyramids == "bricks") write.pyramids = framehex::InpPyramids::degenerate_bricks;
@@ -157,6 +162,8 @@ void check_outputs(const Options& options) {
     if (is_quads && (is_page || format == framehex::MeshFormat::polymesh))
       throw framehex::io_error(options.output +
                                ": is for meshes of a volume; quadrilaterals are written as .vtu, .msh, .mesh or .inp");
+    if (options.quadratic && !framehex::holds_quadratic(format))
+      throw framehex::io_error(options.output + ": quadratic elements are written to .vtu, .msh and .inp");
     if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
   if (!options.report.empty()) const OutputFile attempt(options.report);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "framehex/io/data_array.hpp"
+#include "framehex/io/label_arrays.hpp"
+#include "framehex/mesh/midside_nodes.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/pipeline/recombine.hpp"
 
@@ -27,7 +29,7 @@ std::vector<framehex::DataArray> cell_arrays(const Measures& measures);
 
 /// Writes mesh and report; when one of them cannot be written neither appears.
 void write_results(const Options& options, const framehex::MixedMesh& mesh, const framehex::MeshData& data,
-                   const nlohmann::ordered_json& json);
+                   const nlohmann::ordered_json& json, const framehex::MidsideNodes* midside = nullptr);
 void write_report(const Options& options, const nlohmann::ordered_json& json);
 
 /// Refuses, before any work, output that could not be written in the end. @throws io_error.
@@ -35,6 +37,9 @@ void check_outputs(const Options& options);
 
 /// A remark on the input, on standard error, unless nothing but errors is wanted.
 void remark(const Options& options, const std::string& text);
+
+/// Says which array of a file was taken for labels, where there are others that were not.
+void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes, const std::string& labels);
 
 /// Reads the mesh that the options name, with remarks on its arrays.
 framehex::MixedMesh read_input_mesh(const Options& options);

@@ -119,7 +119,7 @@ class Case(unittest.TestCase):
         self.assertEqual(result.returncode, 2, result)
         self.assertEqual(result.stdout, "")
         lines = result.stderr.splitlines()
-        remarks = ("were turned", "were welded", "--repair would mend")
+        remarks = ("were turned", "were welded", "--repair would mend", "--bodies regions would")
         errors = [line for line in lines if not any(words in line for words in remarks)]
         self.assertEqual(len(errors), 1, result.stderr)
         for word in words:
@@ -544,6 +544,264 @@ class TestLabels(Case):
         body["corners"] = np.array([[points[v] for v in t] for t in triangles])
         (self.folder / "far.stl").write_bytes(bytes(80) + np.uint32(len(triangles)).tobytes() + body.tobytes())
         self.assertIn("single precision", self.mesh("far.stl", "--size", "0.35").stderr)
+
+
+class TestSizes(Case):
+    """Sizes that vary, by what the command line says."""
+
+    def edges(self):
+        """Lengths and middles of the edges of the hexahedra."""
+        out = read(self.path("out.vtu"))
+        sides = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+        hexes = np.concatenate([b.data for b in out.cells if b.type == "hexahedron"])
+        ends = out.points[np.concatenate([hexes[:, s] for s in sides])]
+        return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), ends.mean(axis=1)
+
+    def report(self):
+        return json.loads((self.folder / "out.json").read_text())
+
+    def test_lengths_at_the_points_of_tetrahedra_and_of_triangles(self):
+        points, triangles = box((4, 2, 2))
+        write_stl(self.path("box.stl"), points, triangles)
+        where, tets = lattice(4)
+        where = np.array(where, float) * (1, 0.5, 0.5)
+        faces = np.unique(np.sort(np.concatenate([np.array(tets)[:, list(f)] for f in itertools.combinations(range(4), 3)]),
+                                  axis=1), axis=0)
+
+        def wished(x):
+            return 0.25 + 0.125 * x
+
+        for name, cells in (("tets.vtu", [("tetra", np.array(tets))]), ("faces.vtu", [("triangle", faces)])):
+            with self.subTest(name):
+                meshio.Mesh(where, cells, point_data={"h": wished(where[:, 0]), "x": where[:, 0]}).write(self.path(name))
+                result = self.mesh("box.stl", "--size-field", self.path(name), "--gradation", "0.5")
+                self.assertEqual(result.returncode, 0, result)
+                length, middle = self.edges()
+                ratio = length / wished(middle[:, 0])
+                self.assertGreater(len(ratio), 1000)
+                self.assertAlmostEqual(np.median(ratio), 1, delta=0.12)
+                self.assertGreater(np.quantile(ratio, 0.03), 0.5)
+                self.assertLess(np.quantile(ratio, 0.97), 1.6)
+                self.assertEqual(self.report()["sizes"]["wished"], 0.75)
+                self.assertEqual(self.report()["sizes"]["size-field"]["array"], "h")
+        # The same field, bounded.
+        result = self.mesh("box.stl", "--size-field", self.path("tets.vtu"), "--least", "0.5", "--most", "0.5")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 128})
+        # A field that does not reach over the body.
+        write_stl(self.path("large.stl"), *box((6, 2, 2)))
+        self.assertIn("do not reach over", self.mesh("large.stl", "--size-field", self.path("tets.vtu")).stderr)
+
+    def test_patches_curvature_and_walls(self):
+        write_stl(self.path("box.stl"), *box((2, 2, 2)))
+        result = self.mesh("box.stl", "--size", "0.5", "--size-on", "0=0.1", "--size-on", "patch_1=0.2")
+        self.assertEqual(result.returncode, 0, result)
+        length, _ = self.edges()
+        self.assertLess(length.min(), 0.13)
+        self.assertGreater(length.max(), 0.35)
+
+        angles = 2 * np.pi * np.arange(64) / 64
+        ring = [(np.cos(a), np.sin(a)) for a in angles]
+        points = [(x, y, z) for z in (0, 2) for x, y in ring] + [(0, 0, 0), (0, 0, 2)]
+        triangles = []
+        for i in range(64):
+            j = (i + 1) % 64
+            triangles += [(i, j, 64 + j), (i, 64 + j, 64 + i), (128, j, i), (129, 64 + i, 64 + j)]
+        write_stl(self.path("round.stl"), points, triangles)
+        result = self.mesh("round.stl", "--size", "0.6", "--curvature", "24")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertAlmostEqual(self.report()["sizes"]["curvature"]["least"], 2 * np.pi / 24, delta=0.01)
+        out = read(self.path("out.vtu"))
+        rim = [p for p in out.points if abs(np.hypot(p[0], p[1]) - 1) < 0.01 and abs(p[2]) < 1e-9]
+        self.assertAlmostEqual(len(rim), 24, delta=2)
+
+        write_stl(self.path("plate.stl"), *box((2, 2, 0.3)))
+        result = self.mesh("plate.stl", "--size", "0.3", "--cells-across", "3")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertAlmostEqual(self.report()["sizes"]["cells-across"]["least"], 0.1)
+        heights = read(self.path("out.vtu")).points[:, 2] / 0.1
+        layers = np.round(heights).astype(int)
+        self.assertGreater((np.abs(heights - layers) < 0.2).mean(), 0.9)
+        self.assertGreater(np.bincount(layers, minlength=4).min(), len(layers) / 8)
+        # Thinner than any cell may be.
+        write_stl(self.path("foil.stl"), *box((2, 2, 0.02)))
+        result = self.mesh("foil.stl", "--size", "0.3", "--cells-across", "3", "--least", "0.1")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("--cells-across asks for sizes down to 0.006667", result.stderr)
+
+    def test_what_makes_no_sense(self):
+        write_stl(self.path("box.stl"), *box())
+        where, tets = lattice(1)
+        for name, data in (("none.vtu", {}), ("two.vtu", {"a": [1.0] * 8, "b": [1.0] * 8}),
+                           ("negative.vtu", {"h": [1.0] * 7 + [-1.0]})):
+            meshio.Mesh(np.array(where, float), [("tetra", np.array(tets))],
+                        point_data={k: np.array(v) for k, v in data.items()}).write(self.path(name))
+        size = ("--size", "0.5")
+        for arguments, words in (((*size, "--size-on", "lid=0.1"), ["no patch \"lid\"", "it has 6"]),
+                                 ((*size, "--size-on", "7=0.1"), ["no patch \"7\""]),
+                                 ((*size, "--size-on", "lid"), ["PATCH=H"]),
+                                 ((*size, "--size-on", "lid=-1"), ["PATCH=H"]),
+                                 ((*size, "--least", "0.6"), ["--least"]),
+                                 ((*size, "--curvature", "2"), ["3"]),
+                                 ((*size, "--size-array", "h"), ["--size-field"]),
+                                 ((*size, "--size-field", "negative.vtu"), ["excludes"]),
+                                 (("--size-field", self.path("absent.vtu")), ["absent.vtu"]),
+                                 (("--size-field", self.path("none.vtu")), ["none.vtu", "has none"]),
+                                 (("--size-field", self.path("two.vtu")), ["two.vtu", "a, b"]),
+                                 (("--size-field", self.path("two.vtu"), "--size-array", "c"), ["\"c\"", "a, b"]),
+                                 (("--size-field", self.path("negative.vtu")), ["negative.vtu", "point 7"])):
+            with self.subTest(arguments):
+                self.check_refused(self.mesh("box.stl", *arguments), *words)
+
+
+class TestMemory(Case):
+    def test_refused_before_any_work(self):
+        write_stl(self.path("box.stl"), *box())
+        # 10^6 points, 17 kB each.
+        self.check_refused(self.mesh("box.stl", "--size", "0.01", "--memory", "2GB"), "1.8e+04 MB", "1.06e+06 points")
+        self.check_refused(self.mesh("box.stl", "--size", "0.1", "--memory", "2"), "--memory")
+        self.check_refused(self.mesh("box.stl", "--size", "0.1", "--memory", "two"), "--memory")
+        result = self.mesh("box.stl", "--size", "0.1", "--memory", "500MB")
+        self.assertEqual(result.returncode, 0, result)
+
+
+class TestBodies(Case):
+    """Bodies that lie in each other, or touch."""
+
+    def test_a_body_within_another_is_a_void_or_a_region(self):
+        outer, triangles = box((3, 3, 3))
+        inner = box((1, 1, 1), (1, 1, 1))[0]
+        write_stl(self.path("nested.stl"), outer + inner, triangles + [tuple(i + 8 for i in t) for t in triangles])
+        for bodies, volumes in (("void", [26]), ("regions", [26, 1])):
+            with self.subTest(bodies):
+                result = self.mesh("nested.stl", "--size", "0.5", "--bodies", bodies)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual("--bodies regions" in result.stderr, bodies == "void")
+                self.check_regions(volumes)
+
+    def test_bodies_that_touch_share_what_is_between_them(self):
+        points, triangles = box()
+        second = box((1, 1, 1), (1, 0, 0))[0]
+        mirrored = [tuple((i ^ 1) + 8 for i in t)[::-1] for t in triangles]  # cuts the face between along the other diagonal
+        for other, fault in (([tuple(i + 8 for i in t)[::-1] for t in triangles], "stand"), (mirrored, "4 edges")):
+            write_stl(self.path("two.stl"), points + second, triangles + other)
+            result = self.mesh("two.stl", "--size", "0.5")
+            self.check_refused(result, fault)
+            self.assertIn("--bodies regions would make a region of each body", result.stderr)
+            result = self.mesh("two.stl", "--size", "0.5", "--bodies", "regions")
+            self.assertEqual(result.returncode, 0, result)
+            self.assertIn("2 triangles in which bodies touch", result.stderr)
+            self.check_regions([1, 1])
+            found = audit(self.path("out.vtu"))
+            self.assertEqual(found["counts"], {"hexahedron": 16})
+            self.assertEqual(len(found["boundary"]), 40)
+            os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+
+    def check_regions(self, volumes):
+        out = read(self.path("out.vtu"))
+        found = {}
+        for k, block in enumerate(out.cells):
+            for cell, label in zip(block.data, np.ravel(out.cell_data["label"][k])):
+                if block.type not in OUTWARD:
+                    continue
+                for face in OUTWARD[block.type]:
+                    p = out.points[[cell[i] for i in face]]
+                    for i in range(len(p)):
+                        found[label] = found.get(label, 0) + np.dot(p.mean(axis=0), np.cross(p[i], p[(i + 1) % len(p)])) / 6
+        np.testing.assert_allclose([found[k] for k in sorted(found)], volumes, rtol=1e-9)
+        self.assertEqual(json.loads((self.folder / "out.json").read_text())["regions"], len(volumes))
+
+
+class TestSurfaceMeshes(Case):
+    def test_labels_of_a_vtu_are_patches(self):
+        points, triangles = box((2, 1, 1))
+        labels = [0 if all(points[v][0] == 0 for v in t) else 2 for t in triangles]
+        meshio.Mesh(np.array(points, float), [("triangle", np.array(triangles))],
+                    cell_data={"patch": [np.array(labels)], "other": [np.arange(12)]}).write(self.path("box.vtu"))
+        result = self.mesh("box.vtu", "--size", "0.5")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("patches are those of \"patch\"", result.stderr)
+        groups = json.loads((self.folder / "out.json").read_text())["groups"]
+        self.assertEqual(sorted((g["name"], g["elements"]) for g in groups), [("patch_0", 4), ("patch_2", 36)])
+        result = self.mesh("box.vtu", "--size", "0.5", "--patches", "other")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(len(json.loads((self.folder / "out.json").read_text())["groups"]), 12)
+        # What the program writes of a volume has named patches, which it reads again.
+        os.remove(self.path("out.json"))
+        with open(self.path("named.msh"), "w") as f:
+            f.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"hot end\"\n$EndPhysicalNames\n")
+            f.write("$Nodes\n8\n" + "".join(f"{i + 1} %s %s %s\n" % p for i, p in enumerate(points)))
+            f.write("$EndNodes\n$Elements\n12\n" + "".join(
+                f"{i + 1} 2 2 {l + 1} {l + 1} " + " ".join(str(v + 1) for v in t) + "\n"
+                for i, (t, l) in enumerate(zip(triangles, labels))) + "$EndElements\n")
+        result = self.mesh("named.msh", "--size", "0.5")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("hot end", [g["name"] for g in json.loads((self.folder / "out.json").read_text())["groups"]])
+
+
+class TestQuadratic(Case):
+    """A node on each edge, on the surface where that leaves cells valid."""
+
+    # meshio 5.0 reads these, but does not know their dimension.
+    meshio._mesh.topological_dimension.update({"wedge15": 3, "pyramid13": 3})
+    NODES = {"tetra10": 10, "pyramid13": 13, "wedge15": 15, "hexahedron20": 20}
+
+    def test_nodes_on_the_surface_in_all_formats(self):
+        angles = 2 * np.pi * np.arange(96) / 96
+        points = [(np.cos(a), np.sin(a), z) for z in (0, 1) for a in angles] + [(0, 0, 0), (0, 0, 1)]
+        triangles = []
+        for i in range(96):
+            j = (i + 1) % 96
+            triangles += [(i, j, 96 + j), (i, 96 + j, 96 + i), (192, j, i), (193, 96 + i, 96 + j)]
+        write_stl(self.path("round.stl"), points, triangles)
+        counts = None
+        for out, more in (("q.vtu", ()), ("q.msh", ()), ("q22.msh", ("--msh", "2.2")), ("q.inp", ("--pyramids", "bricks"))):
+            with self.subTest(out):
+                result = self.run_program("mesh", self.path("round.stl"), "-o", self.path(out), "--size", "0.4",
+                                          "--quadratic", "--report", self.path("q.json"), *more)
+                self.assertEqual(result.returncode, 0, result)
+                mesh = read(self.path(out))
+                found = {}
+                for block in mesh.cells:
+                    found[block.type] = found.get(block.type, 0) + len(block.data)
+                    self.assertTrue(block.type in self.NODES or block.type in ("triangle6", "quad8", "line3"), block.type)
+                self.judge_volume(mesh)
+                cells = {k: n for k, n in found.items() if k in self.NODES}
+                if out.endswith("inp"):  # pyramids are bricks
+                    cells = {k: n for k, n in cells.items() if k in ("tetra10", "wedge15")}
+                    self.assertEqual(cells, {k: n for k, n in counts.items() if k in ("tetra10", "wedge15")})
+                    continue
+                counts = counts or cells
+                self.assertEqual(cells, counts)
+        told = json.loads((self.folder / "q.json").read_text())["quadratic"]
+        self.assertGreater(told["curved"], 50)
+        self.assertLess(told["straightened"], 0.05 * told["curved"])
+
+    def judge_volume(self, mesh):
+        """Six-node triangles and eight-node quadrilaterals of the boundary enclose a body much rounder than the plain ones."""
+        faces = {"triangle6": [(0, 3, 1, 4, 2, 5)], "quad8": [(0, 4, 1, 5, 2, 6, 3, 7)]}
+        volume, n = 0.0, 0
+        for block in mesh.cells:
+            for face in block.data if block.type in faces else []:
+                p = mesh.points[[face[i] for i in faces[block.type][0]]]
+                n += 1
+                on_side = np.abs(np.hypot(p[:, 0], p[:, 1]) - 1) < 1e-3
+                if on_side.all():  # between corners, too
+                    self.assertLess(np.abs(np.hypot(p[:, 0], p[:, 1]) - np.cos(np.pi / 96)).min(), 2e-3)
+                # What the shape functions make of the middle.
+                corner, middle = (-1 / 9, 4 / 9) if len(p) == 6 else (-1 / 4, 1 / 2)
+                centre = corner * p[0::2].sum(axis=0) + middle * p[1::2].sum(axis=0)
+                for i in range(len(p)):
+                    volume += np.dot(centre, np.cross(p[i], p[(i + 1) % len(p)])) / 6
+        if n > 0:
+            # Plain cells of size 0.4 leave out 2.5 % of the disc.
+            self.assertAlmostEqual(abs(volume) / np.pi, 1, delta=0.01)
+
+    def test_formats_that_hold_none_are_refused(self):
+        write_stl(self.path("box.stl"), *box())
+        for name in ("out.mesh", "out.html"):
+            result = self.run_program("mesh", self.path("box.stl"), "-o", self.path(name), "--size", "0.5", "--quadratic")
+            self.check_refused(result, "quadratic", ".vtu, .msh and .inp")
 
 
 class TestField(Case):
