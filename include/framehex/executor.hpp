@@ -142,8 +142,9 @@ private:
 /// An executor that asks on the calling thread, about twenty times a second, whether to go on; blocks not yet begun when
 /// the answer is no are left out.
 ///
-/// Blocks are handed on in batches and the question is asked between them, so that it is asked whatever threads the
-/// executor runs them on. A batch takes as many blocks as the last ones' time allows.
+/// The question is asked between batches, so that it is asked whatever threads the executor runs blocks on. A batch is
+/// at most twice as large as the one before, and takes no further block when its time is up: a block that takes long
+/// delays the question by no more than itself.
 template <Executor E, class Stop>
 class StoppableExecutor {
 public:
@@ -154,22 +155,30 @@ public:
 
   template <class Body>
   void operator()(std::size_t n_blocks, Body&& body) const {
-    using Clock = std::chrono::steady_clock;
-    constexpr std::chrono::milliseconds short_batch(25), long_batch(100);
-    const std::size_t least = executor_.workers();
-    for (std::size_t first = 0, size = least; first < n_blocks;) {
-      const Clock::time_point start = Clock::now();
-      const std::size_t n = std::min(size, n_blocks - first);
-      executor_(n, [&](std::size_t block, std::size_t worker) { body(first + block, worker); });
+    std::size_t first = 0;
+    for (std::size_t size = workers(); first < n_blocks; size = std::min(2 * size, n_blocks)) {
+      first = run_batch(first, first + std::min(size, n_blocks - first), body);
       if (stop_()) return;
-      first += n;
-      const auto took = Clock::now() - start;
-      if (took < short_batch) size *= 2;
-      if (took > long_batch) size = std::max(size / 2, least);
     }
   }
 
 private:
+  /// @return the first block of [first, last) that was not run; at least one was.
+  template <class Body>
+  std::size_t run_batch(std::size_t first, std::size_t last, Body& body) const {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = Clock::now() + std::chrono::milliseconds(50);
+    std::atomic<std::size_t> next{first};
+    executor_(std::min(workers(), last - first), [&](std::size_t, std::size_t worker) {
+      while (next == first || Clock::now() < end) {
+        const std::size_t block = next++;
+        if (block >= last) return;
+        body(block, worker);
+      }
+    });
+    return std::min<std::size_t>(next, last);
+  }
+
   const E& executor_;
   Stop stop_;
 };

@@ -83,21 +83,41 @@ TEST_CASE("an executor that is told to stop leaves the rest out", "[executor]") 
   CHECK(n_run < 100'000'000);
 }
 
+TEST_CASE("a block that takes long after many short ones delays the question by no more than itself", "[executor]") {
+  using namespace std::chrono_literals;
+  const ThreadExecutor threads(2);
+  std::atomic<int> n_long{0}, n_run{0};
+  int longest = 0;
+  const StoppableExecutor executor(threads, [&] {
+    longest = std::max(longest, n_long.exchange(0));
+    return false;
+  });
+  executor(5000, [&](std::size_t block, std::size_t) {
+    ++n_run;
+    if (block < 4980) return;
+    std::this_thread::sleep_for(60ms);
+    ++n_long;
+  });
+  CHECK(n_run == 5000);
+  CHECK(longest <= 2);  // one of each thread, though the batch had room for hundreds
+}
+
 TEST_CASE("whether to stop is asked on the calling thread, whoever works", "[executor]") {
   const auto caller = std::this_thread::get_id();
   const test::IdleCaller idle;
-  int n_asked = 0, n_elsewhere = 0;
+  int n_elsewhere = 0, n_since = 0, longest = 0;
   std::vector<int> n_runs(40, 0);
   const StoppableExecutor executor(idle, [&] {
-    ++n_asked;
+    longest = std::max(longest, std::exchange(n_since, 0));
     n_elsewhere += std::this_thread::get_id() != caller;
     return false;
   });
   executor(n_runs.size(), [&](std::size_t block, std::size_t) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     ++n_runs[block];
+    ++n_since;
   });
   CHECK(n_elsewhere == 0);
-  CHECK(n_asked >= 4);  // 0.8 s of work
+  CHECK(longest <= 3);  // begun within 50 ms, as each takes 20 or more
   CHECK(std::ranges::count(n_runs, 1) == 40);
 }

@@ -104,18 +104,13 @@ public:
   template <Executor E>
   Candidates<Corners> run(const E& executor) {
     workers_.resize(executor.workers());
-    if (n_blocks_ >= 16) reserve_from_sample(executor);
     waiting_.resize(n_blocks_);
     const StoppableExecutor watched(executor, [this] {
       const double done = static_cast<double>(next_) / static_cast<double>(n_blocks_);
       return cancelled_ = !keep_going(input_->options().observer, "recombination", done);
     });
-    watched(n_blocks_, [&](std::size_t block, std::size_t worker) {
-      Worker& w = at(worker);
-      for (std::size_t v = block * block_size; v < std::min(n_vertices_, (block + 1) * block_size); ++v)
-        w.filter.find(static_cast<index_t>(v), w.found);
-      deliver(block, w);
-    });
+    if (n_blocks_ >= 16) reserve_from_sample(watched);
+    if (!cancelled_) search_blocks(watched);
     if (cancelled_) result_.status = Status::cancelled;
     return std::move(result_);
   }
@@ -132,6 +127,16 @@ private:
   Worker& at(std::size_t worker) {
     if (!workers_[worker]) workers_[worker] = std::make_unique<Worker>(*input_);
     return *workers_[worker];
+  }
+
+  template <Executor E>
+  void search_blocks(const E& executor) {
+    executor(n_blocks_, [&](std::size_t block, std::size_t worker) {
+      Worker& w = at(worker);
+      for (std::size_t v = block * block_size; v < std::min(n_vertices_, (block + 1) * block_size); ++v)
+        w.filter.find(static_cast<index_t>(v), w.found);
+      deliver(block, w);
+    });
   }
 
   template <Executor E>
