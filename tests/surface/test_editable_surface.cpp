@@ -55,7 +55,9 @@ TEST_CASE("random edits keep the structure, its sectors and the topology") {
     EditableSurface s{Surface(surface)};
     check_structure(s);
     detail::SectorNormals normals(s, make_adjacency(surface));
-    detail::VertexRemover remover(s, normals);
+    const Observer nobody;
+    detail::Pulse pulse(nobody, "");
+    detail::VertexRemover remover(s, normals, pulse);
     std::mt19937_64 engine(5);
     const long chi = test::euler_characteristic(surface);
     std::vector<index_t> added;

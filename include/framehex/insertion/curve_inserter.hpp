@@ -4,6 +4,7 @@
 #include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/lattice/lattice_points.hpp"
+#include "framehex/observer.hpp"
 #include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_sample.hpp"
@@ -26,6 +27,7 @@ struct CurveOptions {
                                            ///< more, however large the size
   std::size_t max_points = 5'000'000;      ///< refuse sizes that ask for more
   std::span<const index_t> added = {};     ///< one a curve, or empty: intervals beyond what the size asks for
+  Observer observer = {};
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -40,7 +42,8 @@ struct CurveInsertion {
   std::vector<SurfaceSample> samples;  ///< first the corners in their order, then the inner samples curve by curve
   std::vector<index_t> n_intervals;    ///< one a curve
   std::vector<index_t>
-      first_of_curve;  ///< n_curves + 1 positions in `samples`: where the inner samples of a curve begin
+      first_of_curve;                ///< n_curves + 1 positions in `samples`: where the inner samples of a curve begin
+  Status status = Status::complete;  ///< or cancelled: then there are no samples
 };
 
 namespace detail {
@@ -61,10 +64,10 @@ struct MeasuredCurve {
 };
 
 /// @param closed  the turn from the last segment to the first counts.
-/// @param limit   of the length: beyond it the curve is measured no further.
+/// @param limit   of the length: beyond it the curve is measured no further, nor when the pulse stops it.
 template <SizeField Size>
 MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const index_t> vertices, bool closed,
-                            const Size& size, double limit) {
+                            const Size& size, double limit, Pulse& pulse) {
   constexpr double steps_per_size = 4, max_steps = 100'000;
   MeasuredCurve curve;
   index_t hint = no_index;
@@ -85,7 +88,7 @@ MeasuredCurve measure_curve(std::span<const Vector3> points, std::span<const ind
     const double n = std::clamp(std::ceil(steps_per_size * length / least), 1.0, max_steps);
     double before = 1 / size_at(0);
     const double arc = curve.arc.back();
-    for (double k = 1; k <= n && curve.length() <= limit; ++k) {  // Simpson's rule on each step
+    for (double k = 1; k <= n && curve.length() <= limit && pulse.beat(); ++k) {  // Simpson's rule on each step
       const double after = 1 / size_at(k / n);
       const double mean = (before + 4 / size_at((k - 0.5) / n) + after) / 6;
       curve.metric.push_back(curve.metric.back() + mean * length / n);
@@ -162,7 +165,8 @@ private:
 /// @param size     wished distance between neighbours at a point, host's unit.
 /// @param lattice  when given: curves that it can use, with intervals enough, get its points in place of equal
 ///                 intervals.
-/// @return corners and samples; those of a curve lie on its segments, exactly where these are straight.
+/// @return corners and samples; those of a curve lie on its segments, exactly where these are straight. When the
+///         observer stops it: nothing, and the status says so.
 /// @throws invalid_field   when the size at a point is not positive and finite.
 /// @throws invalid_option  with the estimate when more than `max_points` would result.
 /// @par Complexity   O(vertices + samples) evaluations of `size`.
@@ -173,6 +177,8 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
                                    const CurveLattice* lattice = nullptr) {
   const FeatureGraph& features = surface.features;
   check_options(options);
+  detail::Pulse pulse(options.observer, "curve insertion");
+  pulse.report(0);
   if (!options.added.empty()) detail::one_each(options.added, features.curves.size(), "added intervals", "curves");
   if (lattice) {
     detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
@@ -194,8 +200,9 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
   double total = n_corners;
   for (std::size_t c = 0; c < features.curves.size(); ++c) {
     const std::span<const index_t> row = features.curves[c];
-    const auto& curve =
-        measured.emplace_back(detail::measure_curve<Size>(surface.points, row, is_closed(row), size, most - total));
+    const auto& curve = measured.emplace_back(
+        detail::measure_curve<Size>(surface.points, row, is_closed(row), size, most - total, pulse));
+    if (pulse.stopped()) return detail::cancelled<CurveInsertion>();
     total += curve.length();
     if (total > most)
       detail::check_estimate(
@@ -230,6 +237,7 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
     const index_t n = result.n_intervals[c];
     detail::CurveWalker walker(surface.points, row);
     const auto add = [&](double arc) {
+      if (!pulse.beat(0.9)) return;
       result.samples.push_back({walker.at(arc), SampleKind::curve, static_cast<index_t>(c), arc});
     };
     if (by_lattice[c])
@@ -239,6 +247,7 @@ CurveInsertion insert_curve_points(const Surface& surface, const Size& size, con
         add(measured[c].arc_at(measured[c].length() * (static_cast<double>(k) / n)));
   }
   result.first_of_curve.push_back(static_cast<index_t>(result.samples.size()));
+  if (!pulse.report(1)) return detail::cancelled<CurveInsertion>();
   return result;
 }
 

@@ -36,8 +36,10 @@ public:
     options_.recombination.regions = {};
     options_.recombination.finder.free_tets = {};
     if (!options_.observer) return;
-    for (Observer* observer : {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
-                               &options_.surface.observer, &options_.volume.observer, &options_.recombination.observer})
+    for (Observer* observer :
+         {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
+          &options_.curves.observer, &options_.surface.observer, &options_.retriangulation.observer,
+          &options_.volume.observer, &options_.recombination.observer})
       *observer = options_.observer;
   }
 
@@ -47,11 +49,10 @@ public:
     regions_ = std::move(regions);
     locator_ = SurfaceLocator(input_);
     check_sizes();
-    refine_surface();
-    if (!make_field()) return cancelled();
+    if (!refine_surface() || !make_field()) return cancelled<MeshingResult>();
     result_.statistics.order = options_.order;
-    if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled();
-    if (!make_mesh()) return cancelled();
+    if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled<MeshingResult>();
+    if (!make_mesh()) return cancelled<MeshingResult>();
     sample_field();
     return std::move(result_);
   }
@@ -163,12 +164,16 @@ private:
   }
 
   /// Features are those of the input; the rest works on triangles no longer than the background's.
-  void refine_surface() {
+  bool refine_surface() {
     const double edge = background_edge(input_);
-    refined_ = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
+    RefinedSurface refined =
+        refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_, .observer = options_.observer});
+    if (refined.status == Status::cancelled) return false;
+    refined_ = std::move(refined.surface);
     result_.statistics.n_feature_curves = refined_.features.curves.size();
     result_.statistics.n_patches = refined_.features.n_patches;
     result_.statistics.n_regions = regions_.n_regions;
+    return true;
   }
 
   /// Tetrahedra in each region; regions share the vertices of the surface between them. Where that fails it leaves an
@@ -302,12 +307,14 @@ private:
     if (!going("surface insertion", 0)) return false;
     if (options_.order == PointOrder::lattice) {
       const CurveInsertion curves = insert_curve_points(refined_, size_, options_.curves, &lattice_.curves);
+      if (curves.status == Status::cancelled) return false;
       samples_ = fill_lattice_surface(refined_, cross_field_.frames, cross_field_.smoothness, curves, size_, lattice_,
                                       options_.surface);
       result_.statistics.n_surface_points = samples_.samples.size();
       return samples_.status != Status::cancelled;
     }
     const CurveInsertion curves = insert_curve_points(refined_, size_, options_.curves);
+    if (curves.status == Status::cancelled) return false;
     const auto insert = [&](auto order) {
       return insert_surface_points(refined_, cross_field_.frames, cross_field_.smoothness, curves, size_,
                                    options_.surface, order);
@@ -318,8 +325,8 @@ private:
   }
 
   bool retriangulate_surface() {
-    if (!going("retriangulation", 0)) return false;
     Retriangulation again = retriangulate(refined_, samples_.samples, options_.retriangulation);
+    if (again.status == Status::cancelled) return false;
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_repair_vertices = again.n_added;
     surface_ = std::move(again.surface);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/observer.hpp"
 #include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/delaunay_flips.hpp"
 #include "framehex/surface/surface.hpp"
@@ -14,8 +15,9 @@ namespace framehex {
 
 /// A surface of the same shape with shorter edges.
 struct RefinedSurface {
-  Surface surface;              ///< the old vertices first, unchanged; the same corners, curves and patches
-  std::vector<index_t> parent;  ///< triangle -> triangle of the old surface that it, or its centre, lies in
+  Surface surface;                   ///< the old vertices first, unchanged; the same corners, curves and patches
+  std::vector<index_t> parent;       ///< triangle -> triangle of the old surface that it, or its centre, lies in
+  Status status = Status::complete;  ///< or cancelled: then there is no surface
 };
 
 /// Whether a refinement may turn edges.
@@ -29,6 +31,7 @@ struct RefinementOptions {
   RefinementFlips flips = RefinementFlips::in_planes;
   std::size_t max_triangles = 50'000'000;   ///< needing more is taken for a mistake in the lengths
   const SurfaceLocator* locator = nullptr;  ///< of the surface, by those who have one; else null
+  Observer observer{};
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -43,9 +46,10 @@ namespace detail {
 template <class SizeFn>
 class Refiner {
 public:
-  Refiner(EditableSurface& surface, const SizeFn& max_edge, const RefinementOptions& options)
-      : surface_(surface), max_edge_(max_edge), options_(options), mixed_(surface.n_triangles(), 0) {}
+  Refiner(EditableSurface& surface, const SizeFn& max_edge, const RefinementOptions& options, Pulse& pulse)
+      : surface_(surface), max_edge_(max_edge), options_(options), pulse_(pulse), mixed_(surface.n_triangles(), 0) {}
 
+  /// Leaves the rest as it is when it is told to stop.
   void run() {
     if (options_.flips != RefinementFlips::none) {
       for (index_t h = 0; h < surface_.opposite.size(); ++h)
@@ -57,7 +61,7 @@ public:
       if (twin == no_index || h < twin) offer(h);
     }
     // Each cut halves an edge that is too long, and flips only make edges shorter; `max_triangles` is the bound in any case.
-    while (!queue_.empty()) {
+    while (!queue_.empty() && pulse_.beat()) {
       const Long edge = queue_.top();
       queue_.pop();
       index_t h = edge.half_edge;  // the edge may have moved to another triangle, or have been cut
@@ -146,7 +150,7 @@ private:
   /// ends by itself; nearly in one it need not, and a budget ends it.
   void flip_doubtful(Offer offers) {
     std::size_t budget = 64 + 20 * doubtful_.size();
-    while (!doubtful_.empty()) {
+    while (!doubtful_.empty() && pulse_.beat()) {
       const index_t h = doubtful_.back();
       doubtful_.pop_back();
       if (budget == 0 || !is_not_delaunay(surface_, h) || !coplanar(h) || !can_turn(h)) continue;
@@ -190,11 +194,24 @@ private:
   EditableSurface& surface_;
   const SizeFn& max_edge_;
   const RefinementOptions& options_;
+  Pulse& pulse_;
   std::priority_queue<Long> queue_;
   std::vector<char> mixed_;                            ///< triangle: made by a flip between different parents
   std::vector<index_t> doubtful_;                      ///< half edges to be looked at
   std::unordered_map<std::uint64_t, index_t> middle_;  ///< of cut feature edges; looked up only, never walked over
 };
+
+/// Finds the old triangles that the centres of those lie in that straddle several.
+template <class SizeFn>
+void locate_parents(const Refiner<SizeFn>& refiner, const SurfaceLocator& locator, RefinedSurface& refined,
+                    Pulse& pulse) {
+  const std::vector<Vector3>& p = refined.surface.points;
+  for (index_t t = 0; t < refined.parent.size() && pulse.beat(); ++t) {
+    if (!refiner.mixed(t)) continue;
+    const auto& v = refined.surface.triangles()[t];
+    refined.parent[t] = locator.nearest((p[v[0]] + p[v[1]] + p[v[2]]) / 3).triangle;
+  }
+}
 
 }  // namespace detail
 
@@ -205,6 +222,7 @@ private:
 ///
 /// @param surface   may have rims.
 /// @param max_edge  callable: point -> greatest length of an edge there; infinite for no limit.
+/// @return when the observer stops it: nothing, and the status says so.
 /// @throws invalid_field  with the edge, for a length that is NaN or not positive; invalid_option when
 ///         `options.max_triangles` is exceeded; nonmanifold.
 /// @par Complexity   O(n log n) for n triangles in the result.
@@ -214,8 +232,11 @@ template <class SizeFn>
 RefinedSurface refine(const Surface& surface, const SizeFn& max_edge, const RefinementOptions& options = {}) {
   check_options(options);
   detail::EditableSurface editable(surface);
-  detail::Refiner<SizeFn> refiner(editable, max_edge, options);
+  detail::Pulse pulse(options.observer, "refinement");
+  pulse.report(0);
+  detail::Refiner<SizeFn> refiner(editable, max_edge, options, pulse);
   refiner.run();
+  if (!pulse.report(0.8)) return detail::cancelled<RefinedSurface>();
 
   RefinedSurface result;
   FeatureGraph& features = result.surface.features;
@@ -232,17 +253,15 @@ RefinedSurface refine(const Surface& surface, const SizeFn& max_edge, const Refi
   features.triangle_patch = std::move(editable.patch);
   features.is_feature = std::move(editable.feature);
   result.surface.points = std::move(editable.points);
+  if (!pulse.report(0.85)) return detail::cancelled<RefinedSurface>();
   result.surface.adjacency = make_adjacency(TriangleView{result.surface.points, editable.corners}, Junctions::open);
   result.parent = std::move(editable.parent);
-  if (options.flips == RefinementFlips::none) return result;
-  const SurfaceLocator own = options.locator ? SurfaceLocator() : SurfaceLocator(surface);
-  const SurfaceLocator& locator = options.locator ? *options.locator : own;
-  for (index_t t = 0; t < result.parent.size(); ++t) {
-    if (!refiner.mixed(t)) continue;
-    const auto& v = result.surface.triangles()[t];
-    const auto& p = result.surface.points;
-    result.parent[t] = locator.nearest((p[v[0]] + p[v[1]] + p[v[2]]) / 3).triangle;
+  if (!pulse.report(0.9)) return detail::cancelled<RefinedSurface>();
+  if (options.flips != RefinementFlips::none) {
+    const SurfaceLocator own = options.locator ? SurfaceLocator() : SurfaceLocator(surface);
+    locate_parents(refiner, options.locator ? *options.locator : own, result, pulse);
   }
+  if (!pulse.report(1)) return detail::cancelled<RefinedSurface>();
   return result;
 }
 

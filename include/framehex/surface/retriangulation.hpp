@@ -17,6 +17,7 @@ struct Retriangulation {
   std::size_t n_added = 0;      ///< new vertices, after those, that keep the surface near the input and from crossing
                                 ///< itself
   std::vector<std::array<index_t, 2>> crossings;  ///< pairs of triangles that cross all the same
+  Status status = Status::complete;               ///< or cancelled: then there is no surface
 };
 
 /// What a retriangulation may do.
@@ -26,6 +27,7 @@ struct RetriangulationOptions {
   /// back, unless that is less than 0.4 of the edges there. Infinite: none does.
   double max_deviation = 0.0075;
   int repair_rounds = 12;  ///< >= -1; cuts against self-intersections; -1: do not even look for them
+  Observer observer{};
 
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
@@ -43,27 +45,33 @@ public:
       : features_(input.features),
         n_input_vertices_(static_cast<index_t>(input.points.size())),
         samples_(samples),
+        pulse_(options.observer, "retriangulation"),
         options_(options),
         diagonal_(bounding_box(input.points).diagonal().norm()),
         surface_(input),
         normals_(surface_, input.adjacency),
         chains_(input.points, features_.curves),
-        inserter_(surface_, normals_, features_, samples, chains_) {}
+        inserter_(surface_, normals_, features_, samples, chains_, pulse_) {}
 
   Retriangulation run() {
+    pulse_.report(0);
     inserter_.run();
-    VertexRemover remover(surface_, normals_);
+    pulse_.report(0.4);
+    VertexRemover remover(surface_, normals_, pulse_);
     remover.flipper().push_all();
     remover.flipper().run(DelaunayFlipper::Scope::within_patches);
     remove_unwanted(remover);
     chains_.drop_dead([&](index_t v) { return surface_.half_edge_of[v] != no_index; });
+    pulse_.report(0.7);
     first_added_ = static_cast<index_t>(surface_.points.size());
     const double tolerance = options_.max_deviation * diagonal_;
     if (std::isfinite(tolerance))
-      SurfaceFit(surface_, normals_, remover.flipper(), features_, tolerance).run(fit_rounds);
+      SurfaceFit(surface_, normals_, remover.flipper(), features_, tolerance, pulse_).run(fit_rounds);
+    pulse_.report(0.8);
     std::vector<std::array<index_t, 2>> crossings;
     if (options_.repair_rounds >= 0)
-      crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper()).run(options_.repair_rounds);
+      crossings = SurfaceRepair(surface_, normals_, chains_, remover.flipper(), pulse_).run(options_.repair_rounds);
+    if (!pulse_.report(1)) return cancelled<Retriangulation>();
     Retriangulation r = result();
     r.crossings = std::move(crossings);
     return r;
@@ -133,7 +141,8 @@ private:
   const FeatureGraph& features_;
   index_t n_input_vertices_;
   std::span<const SurfaceSample> samples_;
-  RetriangulationOptions options_;
+  Pulse pulse_;
+  const RetriangulationOptions& options_;
   double diagonal_;  // of the box round the input
   EditableSurface surface_;
   SectorNormals normals_;
@@ -157,7 +166,7 @@ private:
 ///                 unremoved vertex.
 /// @param samples  in any order, no two the same point; each closed curve needs three, each corner itself.
 /// @return samples as vertices 0 to n-1 at their exact positions, then the input vertices that could not be removed,
-///         then those added by the repair.
+///         then those added by the repair. When the observer stops it: nothing, and the status says so.
 /// @throws invalid_coordinate, invalid_connectivity  with the index of a sample that is not finite or refers to no
 ///         entity; invalid_option with two samples in one place.
 /// @par Complexity   O(n log n) for n vertices and samples evenly spread; about 1 kB each.

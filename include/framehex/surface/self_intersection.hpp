@@ -159,6 +159,32 @@ inline bool triangles_cross(std::span<const Vector3> points, const std::array<in
   return false;
 }
 
+/// See `find_self_intersections`. Stopped by the pulse: what has been found by then.
+inline std::vector<std::array<index_t, 2>> find_crossings(std::span<const Vector3> points,
+                                                          std::span<const std::array<index_t, 3>> triangles,
+                                                          std::size_t max_pairs, Pulse& pulse) {
+  std::vector<BoxTree::Bounds> boxes;
+  boxes.reserve(triangles.size());
+  for (const auto& t : triangles) boxes.push_back(triangle_bounds(points[t[0]], points[t[1]], points[t[2]]));
+  const BoxTree tree(boxes);
+  std::vector<std::array<index_t, 2>> pairs;
+  for (index_t t = 0; t < boxes.size() && pairs.size() < max_pairs && pulse.beat(); ++t) {
+    const auto begin = static_cast<std::ptrdiff_t>(pairs.size());
+    tree.traverse(
+        [&](const auto& bounds) { return bounds.meets(boxes[t]); },
+        [&](index_t first, index_t count) {
+          for (index_t i = first; i < first + count; ++i) {
+            const index_t other = tree.order()[i];
+            if (other > t && boxes[other].meets(boxes[t]) && triangles_cross(points, triangles[t], triangles[other]))
+              pairs.push_back({t, other});
+          }
+        });
+    std::sort(pairs.begin() + begin, pairs.end());
+  }
+  if (pairs.size() > max_pairs) pairs.resize(max_pairs);
+  return pairs;
+}
+
 }  // namespace detail
 
 /// Pairs of triangles of a surface that cross or touch where they should not.
@@ -175,27 +201,9 @@ template <TriangleMesh M>
 std::vector<std::array<index_t, 2>> find_self_intersections(const M& mesh,
                                                             std::size_t max_pairs = static_cast<std::size_t>(-1)) {
   const auto& surface = detail::flat(mesh);
-  std::vector<detail::BoxTree::Bounds> boxes;
-  boxes.reserve(surface.triangles.size());
-  for (const auto& t : surface.triangles)
-    boxes.push_back(detail::triangle_bounds(surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]));
-  const detail::BoxTree tree(boxes);
-  std::vector<std::array<index_t, 2>> pairs;
-  for (index_t t = 0; t < boxes.size() && pairs.size() < max_pairs; ++t) {
-    const auto begin = static_cast<std::ptrdiff_t>(pairs.size());
-    tree.traverse([&](const auto& bounds) { return bounds.meets(boxes[t]); },
-                  [&](index_t first, index_t count) {
-                    for (index_t i = first; i < first + count; ++i) {
-                      const index_t other = tree.order()[i];
-                      if (other > t && boxes[other].meets(boxes[t]) &&
-                          detail::triangles_cross(surface.points, surface.triangles[t], surface.triangles[other]))
-                        pairs.push_back({t, other});
-                    }
-                  });
-    std::sort(pairs.begin() + begin, pairs.end());
-  }
-  if (pairs.size() > max_pairs) pairs.resize(max_pairs);
-  return pairs;
+  const Observer nobody;
+  detail::Pulse pulse(nobody, "");
+  return detail::find_crossings(surface.points, surface.triangles, max_pairs, pulse);
 }
 
 }  // namespace framehex

@@ -147,6 +147,8 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
       TetrahedralizationRequest{result.mesh.points, surface.points.size(), surface.triangles, observer});
   result.status = answer.status;
   if (answer.status != Status::complete) return {.mesh = {}, .adjacency = {}, .status = answer.status};
+  const auto stopped = [&](double fraction) { return !keep_going(observer, "tetrahedra", fraction); };
+  if (stopped(0.8)) return detail::cancelled<Tetrahedralization>();
   result.mesh.tets = std::move(answer.tets);
   result.mesh.points.insert(result.mesh.points.end(), answer.extra_points.begin(), answer.extra_points.end());
 
@@ -155,6 +157,7 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
   detail::forget_unused_points(result.mesh, n_wanted);
   result.n_extra_points = result.mesh.points.size() - n_wanted;
   result.adjacency = make_adjacency(result.mesh);
+  if (stopped(0.9)) return detail::cancelled<Tetrahedralization>();
   detail::check_boundary(result.mesh, result.adjacency, surface.triangles);
   detail::check_points_used(result.mesh);
   double sum = 0;
@@ -164,6 +167,7 @@ Tetrahedralization tetrahedralize(const T& tetrahedralizer, const M& host, std::
   const double expected = 6 * enclosed_volume(surface);
   if (std::abs(sum - expected) > 1e-9 * expected)
     throw tetrahedralization_error("tetrahedraliser: the tetrahedra do not add up to the volume inside the surface");
+  if (stopped(1)) return detail::cancelled<Tetrahedralization>();
   return result;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/detail/reconnector.hpp"
 #include "framehex/assembly/detail/stubborn_cells.hpp"
 #include "framehex/assembly/detail/vertex_smoother.hpp"
+#include "framehex/observer.hpp"
 
 namespace framehex::detail {
 

@@ -3,8 +3,8 @@
 
 #include "framehex/assembly/detail/cavity_grower.hpp"
 #include "framehex/assembly/detail/originals.hpp"
-#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/options.hpp"
+#include "framehex/observer.hpp"
 
 namespace framehex::detail {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "framehex/assembly/detail/originals.hpp"
-#include "framehex/assembly/detail/pulse.hpp"
 #include "framehex/assembly/options.hpp"
+#include "framehex/observer.hpp"
 
 namespace framehex::detail {
 

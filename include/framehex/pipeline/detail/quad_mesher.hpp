@@ -20,41 +20,36 @@ public:
     options_.curves.added = {};
     options_.surface.complete = {};
     options_.quads.frames = {};
-    if (options_.observer) options_.surface.observer = options_.improvement.observer = options_.observer;
+    if (!options_.observer) return;
+    for (Observer* observer : {&options_.cross_field.observer, &options_.curves.observer, &options_.surface.observer,
+                               &options_.retriangulation.observer, &options_.improvement.observer})
+      *observer = options_.observer;
   }
 
   QuadMeshing run(Surface input) {
     input_ = std::move(input);
     locator_ = SurfaceLocator(input_);
-    refine_surface();
+    if (!refine_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.preparation);
-    if (!going("cross field")) return cancelled();
-    make_field();
+    if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
-    if (!going("surface insertion") || !sample_surface()) return cancelled();
+    if (!going("surface insertion") || !sample_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.insertion);
-    if (!going("retriangulation")) return cancelled();
-    retriangulate_surface();
+    if (!retriangulate_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.triangulation);
-    if (!going("quadrangulation")) return cancelled();
+    if (!going("quadrangulation")) return cancelled<QuadMeshing>();
     join_triangles();
     watch_.lap(result_.seconds.quadrangulation);
-    if (!improve()) return cancelled();
+    if (!improve()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.improvement);
     return std::move(result_);
   }
 
 private:
-  QuadMeshing cancelled() const {
-    QuadMeshing nothing;
-    nothing.status = Status::cancelled;
-    return nothing;
-  }
-
   bool going(std::string_view stage) const { return keep_going(options_.observer, stage, 0); }
 
   /// Triangles no longer than the mean size, unless that makes too many: crosses are one a triangle.
-  void refine_surface() {
+  bool refine_surface() {
     const double n_points = estimate_surface_points(input_, size_).n_points;
     check_estimate("surface", n_points, options_.surface.max_points);
     double sum = 0;
@@ -62,19 +57,25 @@ private:
     for (const Vector3& p : input_.points) sum += checked_size(size_, p, hint);
     const double coarser = std::sqrt(std::max(1.0, 2 * n_points / options_.max_field_triangles));
     const double edge = coarser * sum / static_cast<double>(input_.points.size());
-    result_.background = refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_}).surface;
+    RefinedSurface refined =
+        refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_, .observer = options_.observer});
+    if (refined.status == Status::cancelled) return false;
+    result_.background = std::move(refined.surface);
     result_.statistics.n_feature_curves = input_.features.curves.size();
     result_.statistics.n_patches = input_.features.n_patches;
+    return true;
   }
 
-  void make_field() {
+  bool make_field() {
     result_.cross_field = compute_cross_field(result_.background, options_.cross_field);
     result_.statistics.n_singularities = result_.cross_field.singularities.size();
+    return result_.cross_field.status != Status::cancelled;
   }
 
   bool sample_surface() {
     const Surface& surface = result_.background;
     CurveInsertion curves = insert_curve_points(surface, size_, options_.curves);
+    if (curves.status == Status::cancelled) return false;
     const std::vector<index_t> longer = curves_to_lengthen(surface, curves.n_intervals);
     if (!longer.empty()) {
       std::vector<index_t> added(curves.n_intervals.size(), 0);
@@ -82,6 +83,7 @@ private:
       CurveOptions options = options_.curves;
       options.added = added;
       curves = insert_curve_points(surface, size_, options);
+      if (curves.status == Status::cancelled) return false;
     }
     result_.statistics.lengthened_curves = longer;
     const auto insert = [&](auto order) {
@@ -93,8 +95,9 @@ private:
     return samples_.status != Status::cancelled;
   }
 
-  void retriangulate_surface() {
+  bool retriangulate_surface() {
     Retriangulation again = retriangulate(result_.background, samples_.samples, options_.retriangulation);
+    if (again.status == Status::cancelled) return false;
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_added_vertices = again.n_added;
     surface_ = std::move(again.surface);
@@ -107,6 +110,7 @@ private:
       ++result_.statistics.n_split_edges;
     }
     result_.statistics.n_triangles = surface_.triangles().size();
+    return true;
   }
 
   void join_triangles() {

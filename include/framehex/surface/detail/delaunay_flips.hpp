@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/observer.hpp"
 #include "framehex/surface/detail/sector_normals.hpp"
 
 #include <limits>
@@ -36,7 +37,8 @@ class DelaunayFlipper {
 public:
   enum class Scope { within_input_triangles, within_patches };
 
-  DelaunayFlipper(EditableSurface& surface, const SectorNormals& normals) : surface_(surface), normals_(normals) {}
+  DelaunayFlipper(EditableSurface& surface, const SectorNormals& normals, Pulse& pulse)
+      : surface_(surface), normals_(normals), pulse_(pulse) {}
 
   void push(index_t h) { stack_.push_back(h); }
   void push_star(index_t v) {
@@ -52,13 +54,14 @@ public:
       if (surface_.alive(h / 3) && (surface_.opposite[h] == no_index || h < surface_.opposite[h])) stack_.push_back(h);
   }
 
-  /// Flips until every pushed edge, and every edge that a flip touched, is Delaunay or must stay.
+  /// Flips until every pushed edge, and every edge that a flip touched, is Delaunay or must stay, or until it is told to
+  /// stop.
   ///
   /// In a plane that ends by itself; on a bent surface two edges may ask for one another for ever, so that the number of
   /// flips is bounded.
   std::size_t run(Scope scope) {
     std::size_t flips = 0, budget = 64 + 20 * stack_.size();
-    while (!stack_.empty()) {
+    while (!stack_.empty() && pulse_.beat()) {
       const index_t h = stack_.back();
       stack_.pop_back();
       if (!surface_.alive(h / 3) || flips > budget || !wants_flip(h) || !may_flip(h, scope)) continue;
@@ -97,6 +100,7 @@ private:
 
   EditableSurface& surface_;
   const SectorNormals& normals_;
+  Pulse& pulse_;
   std::vector<index_t> stack_;
 };
 

@@ -15,18 +15,20 @@ namespace framehex::detail {
 class SampleInserter {
 public:
   SampleInserter(EditableSurface& surface, SectorNormals& normals, const FeatureGraph& features,
-                 std::span<const SurfaceSample> samples, CurveChains& chains)
+                 std::span<const SurfaceSample> samples, CurveChains& chains, Pulse& pulse)
       : surface_(surface),
         normals_(normals),
         features_(features),
         samples_(samples),
         chains_(chains),
-        flipper_(surface, normals) {
+        pulse_(pulse),
+        flipper_(surface, normals, pulse) {
     for (std::size_t i = 0; i < samples.size(); ++i) check(i);
     sample_of_vertex_.assign(surface.points.size(), no_index);
     vertex_of_sample_.assign(samples.size(), no_index);
   }
 
+  /// Leaves the rest out when it is told to stop.
   void run() {
     for (index_t i = 0; i < samples_.size(); ++i)
       if (samples_[i].kind == SampleKind::corner) take(features_.corners[samples_[i].entity], i);
@@ -90,7 +92,7 @@ private:
         if (samples_[i].kind == SampleKind::curve) put(samples_[i].entity, i);
     });
     std::vector<index_t> order;
-    for (std::size_t c = 0; c < features_.curves.size(); ++c) {
+    for (std::size_t c = 0; c < features_.curves.size() && pulse_.beat(); ++c) {
       order.assign(samples_of_curve[c].begin(), samples_of_curve[c].end());
       std::sort(order.begin(), order.end(), [&](index_t a, index_t b) {
         return samples_[a].arc < samples_[b].arc || (samples_[a].arc == samples_[b].arc && a < b);
@@ -159,7 +161,10 @@ private:
       if (samples_of_triangle[t].empty()) continue;
       sort_in_rows(t, samples_of_triangle[t], order);
       index_t hint = t;
-      for (const auto& [key, sample] : order) hint = insert_in_triangle(t, sample, hint);
+      for (const auto& [key, sample] : order) {
+        if (!pulse_.beat()) return;
+        hint = insert_in_triangle(t, sample, hint);
+      }
     }
   }
 
@@ -258,6 +263,7 @@ private:
   const FeatureGraph& features_;
   std::span<const SurfaceSample> samples_;
   CurveChains& chains_;
+  Pulse& pulse_;
   DelaunayFlipper flipper_;
   std::vector<index_t> sample_of_vertex_, vertex_of_sample_;
 };

@@ -21,8 +21,12 @@ public:
   /// @param tolerance  distance, > 0, in the unit of the coordinates. Where edges are long, `least_share` of them is
   ///                   tolerated too: a coarse surface stays coarse.
   SurfaceFit(EditableSurface& surface, SectorNormals& normals, DelaunayFlipper& flipper, const FeatureGraph& features,
-             double tolerance)
-      : surface_(surface), normals_(normals), flipper_(flipper), squared_tolerance_(tolerance * tolerance) {
+             double tolerance, Pulse& pulse)
+      : surface_(surface),
+        normals_(normals),
+        flipper_(flipper),
+        squared_tolerance_(tolerance * tolerance),
+        pulse_(pulse) {
     find_inner_vertices(features);
   }
 
@@ -63,6 +67,7 @@ private:
     build_tree();
     std::vector<Farthest> farthest(surface_.n_triangles());
     for (index_t i = 0; i < inner_.size(); ++i) {
+      if (!pulse_.beat()) return 0;
       const Vector3& p = normals_.point(inner_[i].vertex);
       const auto [t, distance] = nearest_triangle(p, [](index_t) { return true; });
       if (distance <= squared_tolerance_) continue;
@@ -155,6 +160,7 @@ private:
   SectorNormals& normals_;
   DelaunayFlipper& flipper_;
   double squared_tolerance_;
+  Pulse& pulse_;
   std::vector<InnerVertex> inner_;
   BoxTree tree_;                      // of the triangles as they are
   std::vector<index_t> triangle_of_;  // item of the tree

@@ -74,8 +74,9 @@ private:
 /// they are: the longest edges of the triangles that cross are cut at points of the input.
 class SurfaceRepair {
 public:
-  SurfaceRepair(EditableSurface& surface, SectorNormals& normals, CurveChains& chains, DelaunayFlipper& flipper)
-      : surface_(surface), normals_(normals), chains_(chains), flipper_(flipper) {}
+  SurfaceRepair(EditableSurface& surface, SectorNormals& normals, CurveChains& chains, DelaunayFlipper& flipper,
+                Pulse& pulse)
+      : surface_(surface), normals_(normals), chains_(chains), flipper_(flipper), pulse_(pulse) {}
 
   /// Gives up as well when the triangles that cross grow in number: then the input itself crosses there, and each round
   /// would double them.
@@ -106,7 +107,7 @@ private:
       auto& triangle = mesh.triangles.emplace_back(surface_.corners[t]);
       for (index_t& v : triangle) v = surface_.name[v];
     }
-    pairs_ = find_self_intersections(mesh);
+    pairs_ = find_crossings(mesh.points, mesh.triangles, static_cast<std::size_t>(-1), pulse_);
     std::vector<index_t> crossing;
     for (const auto& pair : pairs_)
       for (const index_t t : pair) crossing.push_back(triangle_of[t]);
@@ -235,6 +236,7 @@ private:
   SectorNormals& normals_;
   CurveChains& chains_;
   DelaunayFlipper& flipper_;
+  Pulse& pulse_;
   BoxTree tree_;
   std::vector<std::array<index_t, 2>> pairs_;          // that crossed when it was looked last
   std::unordered_map<std::uint64_t, Piece> pieces_;    // by edge; looked up only, never walked over

@@ -16,17 +16,17 @@ public:
     double shape;    ///< least area over squared edges, 1 for an equilateral triangle
   };
 
-  VertexRemover(EditableSurface& surface, const SectorNormals& normals)
-      : surface_(surface), normals_(normals), flipper_(surface, normals) {}
+  VertexRemover(EditableSurface& surface, const SectorNormals& normals, Pulse& pulse)
+      : surface_(surface), normals_(normals), pulse_(pulse), flipper_(surface, normals, pulse) {}
 
   /// Removes what it can of the given vertices and keeps the others in the list, in their order. Passes end when one
-  /// removes none.
+  /// removes none, or when it is told to stop.
   void run(std::vector<index_t>& unwanted, const Limits& limits) {
     for (bool progress = true; progress && !unwanted.empty();) {
       std::size_t kept = 0;
       const std::size_t before = unwanted.size();
       for (const index_t v : unwanted)
-        if (!remove(v, limits)) unwanted[kept++] = v;
+        if (!pulse_.beat() || !remove(v, limits)) unwanted[kept++] = v;
       unwanted.resize(kept);
       progress = kept < before;
     }
@@ -195,6 +195,7 @@ private:
 
   EditableSurface& surface_;
   const SectorNormals& normals_;
+  Pulse& pulse_;
   DelaunayFlipper flipper_;
   mutable std::vector<index_t> stamp_;  // of a vertex: when it was last seen
   mutable index_t now_ = 0;
