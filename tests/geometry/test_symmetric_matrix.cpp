@@ -3,6 +3,7 @@
 #include "framehex/geometry/rotation.hpp"
 #include "framehex/geometry/symmetric_matrix.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 
@@ -42,6 +43,19 @@ TEST_CASE("the least eigenvalue of a symmetric matrix is Eigen's, and decides wh
 TEST_CASE("the least eigenvalue of a multiple of the identity is that multiple") {
   for (const double value : {-2.0, 0.0, 3.0})
     CHECK(least_eigenvalue(value * Eigen::Matrix3d::Identity()) == Approx(value).margin(1e-15));
+}
+
+TEST_CASE("the solution for a symmetric matrix of any kind is Eigen's, to the last bit") {
+  std::mt19937_64 engine(3);
+  for (int i = 0; i < 3000; ++i) {
+    Eigen::Matrix3d a = random_symmetric(engine, std::pow(10.0, i % 17 - 8));
+    const Vector3 b = random_symmetric(engine, 1).col(0), n = random_symmetric(engine, 1).col(1);
+    if (i % 3 == 1) a = n * n.transpose();                                   // of rank one, but for rounding
+    if (i % 3 == 2) a.row(i / 3 % 3).setZero(), a.col(i / 3 % 3).setZero();  // of rank two
+    if (i % 11 == 0) a = Vector3(i % 2, i % 3, i % 5).asDiagonal();
+    const Vector3 x = solve_symmetric(a, b), expected = a.ldlt().solve(b);
+    CHECK(x == expected);
+  }
 }
 
 TEST_CASE("the rotation between two directions takes one onto the other by the angle between them, opposite ones too") {

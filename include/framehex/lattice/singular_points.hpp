@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/symmetric_matrix.hpp"
 #include "framehex/lattice/singular_phases.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
@@ -112,7 +113,7 @@ private:
         right += weight * weight * (std::round(u) - u) * growth;
       }
     }
-    const Vector3 move = matrix.ldlt().solve(right);
+    const Vector3 move = solve_symmetric(matrix, right);
     return move.norm() < longest_move * h ? Vector3(place + move) : place;
   }
 

@@ -35,12 +35,12 @@ public:
     options_.field.vertex_of.clear();
     options_.recombination.regions = {};
     options_.recombination.finder.free_tets = {};
-    if (!options_.observer) return;
+    MeshingOptions& o = options_;
+    if (!o.observer) return;
     for (Observer* observer :
-         {&options_.cross_field.observer, &options_.field.observer, &options_.lattice.observer,
-          &options_.curves.observer, &options_.surface.observer, &options_.retriangulation.observer,
-          &options_.volume.observer, &options_.recombination.observer})
-      *observer = options_.observer;
+         {&o.cross_field.observer, &o.field.observer, &o.lattice.observer, &o.curves.observer, &o.surface.observer,
+          &o.retriangulation.observer, &o.volume.observer, &o.recombination.observer})
+      *observer = o.observer;
   }
 
   /// @param input  with its features; its patches bound `regions`.
@@ -59,12 +59,6 @@ public:
 
 private:
   using Field = FrameField<IndexedTetMesh>;
-
-  MeshingResult cancelled() {
-    MeshingResult nothing;
-    nothing.status = Status::cancelled;
-    return nothing;
-  }
 
   bool going(std::string_view stage, double fraction) const { return keep_going(options_.observer, stage, fraction); }
 
@@ -255,9 +249,8 @@ private:
   }
 
   bool has_interfaces() const {
-    for (index_t patch = 0; patch < regions_.sides.size(); ++patch)
-      if (regions_.is_interface(patch)) return true;
-    return false;
+    const auto patches = std::views::iota(index_t{0}, static_cast<index_t>(regions_.sides.size()));
+    return std::ranges::any_of(patches, [&](index_t patch) { return regions_.is_interface(patch); });
   }
 
   /// The surface without its interfaces, and the vertices that it keeps.

@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
+#include "framehex/observer.hpp"
 #include "framehex/surface/detail/box_tree.hpp"
 
 #include <algorithm>
