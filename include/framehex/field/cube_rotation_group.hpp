@@ -54,17 +54,14 @@ struct CubeTables {
     t.make_supports();
     // The element of a support whose signs are those of the components.
     for (std::size_t e = 0; e < 48; ++e) {
-      std::size_t support = 0, negative = 0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        support = 2 * support + (t.elements[e][i] != 0 ? 1 : 0);
-        negative = 2 * negative + (t.elements[e][i] < 0 ? 1 : 0);
-      }
+      const auto [support, negative] = pattern(t.elements[e]);
       for (std::size_t signs = 0; signs < 16; ++signs)
         if ((signs & support) == negative) t.signed_element[support][signs] = static_cast<unsigned char>(e);
     }
     for (std::size_t i = 0; i < 24; ++i)
       for (std::size_t j = 0; j < 24; ++j) {
-        const std::size_t k = t.find(product(t.elements[i], t.elements[j])) % 24;
+        const auto [support, negative] = pattern(product(t.elements[i], t.elements[j]));
+        const int k = t.signed_element[support][negative] % 24;
         t.products[i][j] = static_cast<signed char>(k);
         if (k == 0) t.inverses[i] = static_cast<signed char>(j);
       }
@@ -103,12 +100,15 @@ private:
     }
   }
 
-  /// The element that a product of two is, but for rounding.
-  constexpr std::size_t find(const Components& q) const {
-    for (std::size_t e = 0; e < 48; ++e)
-      if (elements[e][0] * q[0] + elements[e][1] * q[1] + elements[e][2] * q[2] + elements[e][3] * q[3] > Scalar(0.99))
-        return e;
-    return 0;
+  /// Which components of an element are not zero, and which are negative, but for rounding; a bit each from the highest
+  /// to the lowest.
+  static constexpr std::array<std::size_t, 2> pattern(const Components& q) {
+    std::size_t support = 0, negative = 0;
+    for (const Scalar x : q) {
+      support = 2 * support + (x > Scalar(0.25) || x < Scalar(-0.25) ? 1 : 0);
+      negative = 2 * negative + (x < Scalar(-0.25) ? 1 : 0);
+    }
+    return {support, negative};
   }
 };
 
