@@ -64,23 +64,28 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   sizes.reserve(points.size());
   for (const Vector3& p : points) sizes.push_back(scaled_size(p));
 
-  const LatticeGraph graph(adjacency, points, frames);
-  const BoundaryAxes boundary = find_boundary_axes(graph, surface, vertex_of);
+  const auto going = [&](double fraction) { return keep_going(options.observer, "lattice", fraction); };
   r.status = Status::cancelled;
+  const LatticeGraph graph(adjacency, points, frames);
+  if (!going(0)) return {};
+  const BoundaryAxes boundary = find_boundary_axes(graph, surface, vertex_of);
   std::vector<Vector3> scale;
   if (!scale_axes(graph, sizes, scale, options.scale, executor)) return {};
   std::vector<Vector3> steps = lattice_steps(graph, scale, scaled_size);
+  if (!going(0.1)) return {};
   const std::vector<AxisMask> tangent = tangent_edges(graph, surface, boundary, vertex_of);
   r.projection = project_steps(graph, steps, tangent, options.projection, executor);
   if (r.projection.status == Status::cancelled) return {};
   std::vector<Vector3> phases;
   PhaseSolver<E> solver(graph, steps, boundary.whole, tangent, sizes, options.phases, executor);
+  if (!going(0.5)) return {};
   const SingularLines lines(graph, scale, sizes);
   r.phases = solve_singular_phases(solver, graph, steps, lines, surface, boundary, sizes, phases, r.singular,
                                    options.singular, vertex_of);
   if (r.phases.status == Status::cancelled) return {};
-  r.status = Status::complete;
   const SingularPoints singular = find_singular_points(graph, lines, phases, surface, sizes);
+  if (!going(1)) return {};
+  r.status = Status::complete;
   return extract_lattice_points(LatticeMap(graph, steps, phases), surface, boundary, sizes, singular, vertex_of);
 }
 

@@ -123,6 +123,9 @@ public:
     return report;
   }
 
+  /// For those who work between two solves. @return false when the observer has cancelled.
+  bool going() { return proceed(0)(); }
+
 private:
   using Waves = detail::AxisSystem<2>;
   using Wave = Waves::Value;

@@ -209,11 +209,9 @@ private:
                               std::vector<Vector3>& phases, SingularPhaseReport& report) {
     std::vector<Vector3> trial;
     const PhaseReport solved = solver.solve(trial, targets_of(forced), charts);
-    if (solved.status == Status::cancelled) {
-      best_report_ = solved;
-      return std::nullopt;
-    }
+    if (solved.status == Status::cancelled) return cancelled();
     const Cost now = cost(trial);
+    if (!solver.going()) return cancelled();
     if (now.total < report.cost) {
       report.cost = now.total;
       report.charts = charts;
@@ -225,6 +223,11 @@ private:
       phases.swap(trial);
     }
     return now;
+  }
+
+  std::nullopt_t cancelled() {
+    best_report_.status = Status::cancelled;
+    return std::nullopt;
   }
 
   std::vector<PhaseTarget> targets_of(std::span<const std::uint8_t> forced) const {

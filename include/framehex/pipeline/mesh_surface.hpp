@@ -402,7 +402,7 @@ private:
     seconds_.selection += s.selection;
     seconds_.assembly += s.assembly;
     watch_ = {};
-    if (result_.recombination.status != Status::complete) return false;
+    if (result_.recombination.status != Status::complete || !going("checks", 1)) return false;
     name_patches();
     result_.poor_cells = find_poor_cells(result_.recombination.mesh, options_.least_quality,
                                          [this](const Vector3& p) { return is_in_wedge(p); });

@@ -18,7 +18,7 @@ struct BrokenPromise {
 /// Looks for cells that do not meet face to face or are not valid, and for a boundary or a volume that is not kept.
 /// @param interfaces  in mode `open` quadrilaterals may face triangles, and the boundary cannot be told from them.
 inline BrokenPromise find_broken_promise(const MixedMesh& mesh, std::span<const index_t> vertex_of,
-                                         const TetAdjacency& tets, InterfaceMode interfaces) {
+                                         const TetAdjacency& tets, InterfaceMode interfaces, Pulse& pulse) {
   BrokenPromise broken;
   const auto add = [&](const char* fault, std::span<const index_t> vertices) {
     if (broken.fault.empty()) broken.fault = fault;
@@ -29,9 +29,11 @@ inline BrokenPromise find_broken_promise(const MixedMesh& mesh, std::span<const 
     for (const index_t cell : cells) add(fault, mesh.cells[cell]);
   };
   const verify::ConformityReport conformity = verify::is_conforming(mesh);
+  pulse.report(0.3);
   add_cells("a cell has a vertex twice", conformity.malformed_cells);
   if (!conformity.malformed_cells.empty()) return broken;
   add_cells("a cell is not valid", verify::is_valid(mesh).invalid_cells);
+  pulse.report(0.6);
   if (interfaces == InterfaceMode::open) {
     for (const auto* faces : {&conformity.used_over_twice, &conformity.same_side, &conformity.twisted})
       for (const CellFace& face : *faces) add("cells do not meet face to face", mesh.cells[face.cell]);
@@ -40,6 +42,7 @@ inline BrokenPromise find_broken_promise(const MixedMesh& mesh, std::span<const 
   if (!conformity.conforming()) add_cells("cells do not meet face to face", conformity.cells());
   for (const auto& edge : conformity.open_edges) add("the boundary is open", edge);
   const verify::KeptBoundaryReport boundary = verify::keeps_boundary(mesh, vertex_of, tets);
+  pulse.report(0.9);
   for (const CellFace& face : boundary.strange)
     add("the boundary is not that of the tetrahedra", mesh.cells[face.cell]);
   for (const auto& facet : boundary.missing) {
@@ -88,8 +91,10 @@ SoundAssembly assemble_soundly(Assemble&& assemble, const TetAdjacency& tets, co
   for (std::size_t n_rings = 1;; n_rings *= 2) {
     result.assembly = assemble(selected, options);
     if (result.assembly.status != Status::complete) return result;
-    BrokenPromise broken =
-        find_broken_promise(result.assembly.mesh, result.assembly.vertex_of, tets, options.interfaces);
+    Pulse pulse(options.observer, "checks");
+    const BrokenPromise broken =
+        find_broken_promise(result.assembly.mesh, result.assembly.vertex_of, tets, options.interfaces, pulse);
+    if (!pulse.report(1)) return {cancelled<Assembly>(), result.n_given_up};
     if (!broken) return result;
     if (options.prisms == PrismMode::none && selected.empty() && options.improvement == ImprovementMode::none)
       throw unsound_mesh("the mesh that was made does not pass its own check: " + broken.fault, Entity::vertex,
