@@ -5,6 +5,7 @@
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/surface/planar_outline.hpp"
 
+#include <cmath>
 #include <map>
 
 namespace framehex {
@@ -16,7 +17,11 @@ class OutlineBuilder {
 public:
   enum class Kind { loop, inner };
 
+  explicit OutlineBuilder(std::string name) : name_(std::move(name)) {}
+
   index_t vertex(double x, double y) {
+    if (!std::isfinite(x) || !std::isfinite(y))
+      throw invalid_coordinate(name_ + ": a point of the outline has a coordinate that is not finite");
     const auto [at, is_new] = known_.try_emplace({x, y}, static_cast<index_t>(outline_.points.size()));
     if (is_new) outline_.points.emplace_back(x, y);
     return at->second;
@@ -31,12 +36,13 @@ public:
   PlanarOutline finish() { return std::move(outline_); }
 
 private:
+  std::string name_;
   std::map<std::array<double, 2>, index_t> known_;
   PlanarOutline outline_;
 };
 
 inline PlanarOutline read_text_outline(const std::string& name, std::string_view bytes) {
-  OutlineBuilder builder;
+  OutlineBuilder builder(name);
   Cursor in(name, bytes);
   std::vector<index_t> points;
   auto kind = OutlineBuilder::Kind::loop;
@@ -69,7 +75,7 @@ inline PlanarOutline read_text_outline(const std::string& name, std::string_view
 }
 
 inline PlanarOutline read_obj_outline(const std::string& name, std::string_view bytes) {
-  OutlineBuilder builder;
+  OutlineBuilder builder(name);
   Cursor in(name, bytes);
   std::vector<std::array<double, 2>> points;
   std::vector<index_t> line;
@@ -104,10 +110,10 @@ inline PlanarOutline read_obj_outline(const std::string& name, std::string_view 
 /// The labelled edges of a mesh as an outline, each a polyline of its own; z is not looked at.
 ///
 /// @param name  of the file, for the error.
-/// @throws io_error  when there are none.
+/// @throws io_error  when there are none; invalid_coordinate for one that is not finite.
 inline PlanarOutline outline_of_edges(const std::string& name, const MixedMesh& mesh) {
   if (mesh.edges.empty()) throw io_error(name + ": holds no line");
-  detail::OutlineBuilder builder;
+  detail::OutlineBuilder builder(name);
   for (const LabelledEdge& edge : mesh.edges) {
     const Vector3 &a = mesh.points[edge.vertices[0]], &b = mesh.points[edge.vertices[1]];
     const std::array<index_t, 2> ends{builder.vertex(a.x(), a.y()), builder.vertex(b.x(), b.y())};
