@@ -58,6 +58,7 @@ def run(program, surface, cells, folder, limit):
             "faults": len(quality["invalid_cells"]) + conformity["open_quads"] + conformity["other_bad_faces"] +
                       conformity["open_boundary_edges"],
             "unexplained": sum(not poor["input_angle"] for poor in quality.get("poor_cells", [])),
+            "lattice": found.get("lattice", {}).get("volume", 0),
             "size_limits": found.get("sizes", {}).get("limited_places", 0),
         }
     report.unlink(missing_ok=True)

@@ -240,10 +240,7 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   if (options.quadratic) midside = quadratic_nodes(mesh, soup, meshing.features, json);
   write_results(options, mesh, data, json, midside ? &*midside : nullptr);
   end_progress();
-  if (lattice_is_left)
-    remark(options,
-           std::string(s.n_regions > 1 ? "there are interfaces between regions" : "no lattice fits this body") +
-               ": fronts have placed the points");
+  if (lattice_is_left) remark(options, "fronts fit this body better than a lattice: they have placed the points");
   if (!options.quiet) {
     print_row(std::filesystem::path(options.input).stem().string() + " " + options.field + " " + options.order,
               measures, seconds);

@@ -196,8 +196,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->default_str("1e-4");
   add_field(mesh, options);
   mesh.add_option("--order", options.order,
-                  "Placement of points: by fronts, smoothest field first or first in first out, or as one lattice")
-      ->check(CLI::IsMember({"smoothness", "fifo", "lattice"}))
+                  "Placement of points: as one lattice, or by fronts, smoothest field first or first in first out")
+      ->check(CLI::IsMember({"lattice", "smoothness", "fifo"}))
       ->capture_default_str();
   mesh.add_flag("--quadratic", options.quadratic,
                 "Quadratic elements, their nodes on the surface where cells stay valid: .vtu, .msh and .inp");
@@ -229,7 +229,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
     command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
     add_features(*command, options);
-    command->add_option("--order", options.order, "Which point proposes its neighbours next")
+    command->add_option("--order", options.front_order, "Which point proposes its neighbours next")
         ->check(CLI::IsMember({"fifo", "smoothness"}))
         ->capture_default_str();
     command
@@ -308,7 +308,8 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_quads) json["features"] = options.feature_degrees;
   if (is_quads) json["match"] = options.match;
   if (is_quads) json["improvement"] = options.improve;
-  if (is_mesh || is_quads) json["order"] = options.order;
+  if (is_mesh) json["order"] = options.order;
+  if (is_quads) json["order"] = options.front_order;
   if (is_mesh) json["bodies"] = options.bodies;
   if (options.repair) json["repair"] = *options.repair;
   if (is_mesh || options.command == Command::recombine) {

@@ -26,7 +26,7 @@ struct Options {
   std::optional<double> least, most;   // sizes
   double growth = 0.3;                 // of sizes, by distance
   std::optional<double> memory;        // bytes
-  std::string field = "best", order = "smoothness", select = "best", interfaces = "conforming";
+  std::string field = "best", order = "lattice", front_order = "smoothness", select = "best", interfaces = "conforming";
   std::string match = "exact", crosses;  // of plane and shell: how triangles are joined; file for the cross field
   double feature_degrees = 40;
   double floor = 0.2;

@@ -19,7 +19,7 @@ namespace {
 framehex::QuadMeshingOptions meshing_options(const Options& options, const framehex::Observer& observer) {
   framehex::QuadMeshingOptions meshing;
   meshing.features = feature_options(options);
-  meshing.order = options.order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
+  meshing.order = options.front_order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
   if (options.match == "greedy") meshing.quads.goal = framehex::QuadGoal::pairs;
   if (!options.improve) meshing.improvement.rounds = meshing.improvement.sweeps = 0;
   meshing.observer = observer;

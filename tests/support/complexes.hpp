@@ -5,12 +5,13 @@
 
 namespace framehex::test {
 
-/// Box [0, 2] x [0, 1] x [0, 1] of two materials; the wall between them leans from x = 0.8 below to x = 1.2 above.
-inline IndexedTriangleMesh two_material_box() {
+/// Box [0, 2] x [0, 1] x [0, 1] of two materials; the wall between them stands at x = `below` at its foot and at
+/// x = `above` at its top.
+inline IndexedTriangleMesh two_material_box(double below = 0.8, double above = 1.2) {
   IndexedTriangleMesh mesh;
   for (const double z : {0.0, 1.0})
     for (const double y : {0.0, 1.0})
-      for (const double x : {0.0, 0.8 + 0.4 * z, 2.0}) mesh.points.emplace_back(x, y, z);
+      for (const double x : {0.0, below + (above - below) * z, 2.0}) mesh.points.emplace_back(x, y, z);
   const auto at = [](index_t x, index_t y, index_t z) { return 6 * z + 3 * y + x; };
   const auto quad = [&](index_t a, index_t b, index_t c, index_t d) {
     mesh.triangles.push_back({a, b, c});

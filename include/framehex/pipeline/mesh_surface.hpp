@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/field/singular_graph.hpp"
 #include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/curve_inserter.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/lattice_filling.hpp"
 #include "framehex/insertion/surface_inserter.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
+#include "framehex/pipeline/detail/better_mesh.hpp"
+#include "framehex/pipeline/detail/field_statistics.hpp"
 #include "framehex/pipeline/detail/obstacle.hpp"
-#include "framehex/pipeline/detail/poor_cells.hpp"
+#include "framehex/pipeline/detail/surface_labels.hpp"
 #include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/input_wedges.hpp"
@@ -53,6 +54,7 @@ public:
     result_.statistics.order = options_.order;
     if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled<MeshingResult>();
     if (!make_mesh()) return cancelled<MeshingResult>();
+    if (result_.statistics.order == PointOrder::lattice && !compare_with_fronts()) return cancelled<MeshingResult>();
     sample_field();
     return std::move(result_);
   }
@@ -63,7 +65,8 @@ private:
   bool going(std::string_view stage, double fraction) const { return keep_going(options_.observer, stage, fraction); }
 
   /// Points, tetrahedra and cells. Where cells are poor these are made anew, first without the tetrahedra that lie flat
-  /// under the surface, then with smaller sizes; the best mesh stays.
+  /// under the surface, then with smaller sizes, then by fronts if a lattice has done no better with these; the best mesh
+  /// stays.
   ///
   /// Ends after `most_rounds`, after two that made it no better, or when smaller sizes would ask for too many points:
   /// quality is not worth more.
@@ -80,6 +83,8 @@ private:
         if (peel() == 0) {
           size_.add(limits);
           if (asks_for_too_much()) break;
+          if (options_.order == PointOrder::lattice && vain > 0) use_fronts();
+          if (options_.order == PointOrder::lattice && !make_lattice()) return false;
           if (!place_points()) return false;
           peel();
         }
@@ -93,6 +98,25 @@ private:
       result_ = std::move(before);
     }
     result_.recombination.seconds = seconds_;
+    return true;
+  }
+
+  /// A lattice with holes can do worse than fronts, and only the meshes tell: the one with fewer poor cells stays, or else
+  /// with more hexahedra by volume.
+  bool compare_with_fronts() {
+    if (result_.statistics.lattice_volume > least_sure_lattice_) return true;
+    MeshingResult with_lattice = result_;
+    use_fronts();
+    try {
+      if (!make_mesh()) return false;
+    } catch (const error&) {  // of points that the lattice did without
+      result_ = std::move(with_lattice);
+      return true;
+    }
+    if (!is_better(result_, with_lattice, options_.least_quality)) {
+      result_ = std::move(with_lattice);
+      result_.recombination.seconds = seconds_;
+    }
     return true;
   }
 
@@ -228,7 +252,7 @@ private:
     if (cross_field_.status == Status::cancelled) return false;
     FieldReport report;
     if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
-      const auto [outer, vertex_of] = outer_boundary();
+      const auto [outer, vertex_of] = outer_boundary(refined_, regions_, options_.features);
       FieldOptions options = options_.field;
       options.vertex_of = vertex_of;
       const SurfaceCrossField outer_crosses = compute_cross_field(outer, options_.cross_field);
@@ -243,7 +267,7 @@ private:
     // Surface points that follow the volume's idea of the cross meet the volume's points in step.
     if (options_.field.method == FieldMethod::best && options_.field.surface_cross == SurfaceCross::free)
       cross_field_.frames = surface_crosses(*field_, refined_);
-    note_field();
+    result_.singular_lines = describe(*field_, result_.statistics);
     watch_.lap(seconds_.field);
     return true;
   }
@@ -253,32 +277,10 @@ private:
     return std::ranges::any_of(patches, [&](index_t patch) { return regions_.is_interface(patch); });
   }
 
-  /// The surface without its interfaces, and the vertices that it keeps.
-  std::pair<Surface, std::vector<index_t>> outer_boundary() const {
-    SurfaceRegions outer = regions_;
-    for (auto& [behind, front] : outer.sides) behind = front == no_index ? 0 : 1;
-    RegionSurface part = region_surface(refined_, outer, 0);
-    return {Surface(part.surface, {.angle = options_.features.angle, .corner_angle = options_.features.corner_angle}),
-            std::move(part.vertex_of)};
-  }
-
-  void note_field() {
-    const auto& smoothness = field_->smoothness();
-    MeshingStatistics& s = result_.statistics;
-    for (const double value : smoothness) {
-      s.smoothness_mean += value / static_cast<double>(smoothness.size());
-      s.fraction_smooth += (value >= 0.85 ? 1.0 : 0.0) / static_cast<double>(smoothness.size());
-    }
-    s.dirichlet_energy = field_->dirichlet_energy();
-    SingularGraph singular = singular_graph(field_->adjacency(), field_->points(), field_->frames());
-    s.n_singular_edges = singular.facets.size();
-    result_.singular_lines = std::move(singular.polylines);
-  }
-
   bool make_lattice() {
     if (!going("lattice", 0)) return false;
-    if (regions_.n_regions > 1) {  // a lattice knows of no interfaces yet
-      use_fronts();
+    if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
+      use_fronts();  // frames that cross an interface as they please have no whole coordinate there
       return true;
     }
     LatticeReport report;
@@ -376,18 +378,8 @@ private:
   }
 
   bool recombine_tets() {
-    const FeatureGraph& features = surface_.features;
-    std::vector<LabelledFace> faces;
-    for (std::size_t t = 0; t < surface_.triangles().size(); ++t) {
-      const auto& v = surface_.triangles()[t];
-      faces.push_back({{v[0], v[1], v[2], no_index}, features.triangle_patch[t]});
-    }
-    std::vector<LabelledEdge> edges;
-    for (std::size_t curve = 0; curve < features.curves.size(); ++curve) {
-      const auto row = features.curves[curve];
-      for (std::size_t i = 0; i + 1 < row.size(); ++i)
-        edges.push_back({{row[i], row[i + 1]}, static_cast<index_t>(curve)});
-    }
+    const std::vector<LabelledFace> faces = patch_labels(surface_);
+    const std::vector<LabelledEdge> edges = curve_labels(surface_);
     RecombineOptions options = options_.recombination;
     options.assembly.vertex_numbers = VertexNumbers::compact;  // nobody knows the tetrahedra's
     options.faces = faces;
@@ -441,6 +433,9 @@ private:
       result_.smoothness.push_back(sample.smoothness);
     }
   }
+
+  /// Share of the volume in a lattice, with less of which fronts have been ahead on some bodies.
+  static constexpr double least_sure_lattice_ = 0.975;
 
   const T& tetrahedralizer_;
   LimitedSize<Size> size_;

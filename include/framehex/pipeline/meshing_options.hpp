@@ -39,7 +39,7 @@ struct MeshingOptions {
   CrossFieldOptions cross_field = {};
   FieldOptions field = {};
   InterfaceFrames interfaces = InterfaceFrames::aligned;
-  PointOrder order = PointOrder::smoothness;
+  PointOrder order = PointOrder::lattice;
   LatticeOptions lattice = {};
   CurveOptions curves = {};
   SurfaceOptions surface = {};

@@ -17,8 +17,8 @@ struct MeshingStatistics {
   double smoothness_mean = 0;  ///< over the background vertices
   double fraction_smooth = 0;  ///< share of them with smoothness >= 0.85
   double dirichlet_energy = 0;
-  std::size_t n_singular_edges = 0;           ///< facets through which a singular line of the field passes
-  PointOrder order = PointOrder::smoothness;  ///< that placed the points: not the one asked for where fronts took over
+  std::size_t n_singular_edges = 0;        ///< facets through which a singular line of the field passes
+  PointOrder order = PointOrder::lattice;  ///< that placed the points: not the one asked for where fronts took over
   double lattice_volume = 0;  ///< share of the volume in which the lattice is regular; 0 also where fronts replace it
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;

@@ -310,4 +310,15 @@ inline RegionSurface region_surface(const Surface& whole, const SurfaceRegions& 
   return result;
 }
 
+/// The surface without its interfaces, its features found anew, and the vertices that it keeps.
+///
+/// @par Complexity   O(n).
+inline std::pair<Surface, std::vector<index_t>> outer_boundary(const Surface& whole, SurfaceRegions regions,
+                                                               const FeatureOptions& features) {
+  for (auto& [behind, front] : regions.sides) behind = front == no_index ? 0 : 1;
+  RegionSurface part = region_surface(whole, regions, 0);
+  return {Surface(part.surface, {.angle = features.angle, .corner_angle = features.corner_angle}),
+          std::move(part.vertex_of)};
+}
+
 }  // namespace framehex
