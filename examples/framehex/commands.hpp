@@ -2,6 +2,8 @@
 // The commands. Each returns whether it came to its end (false: interrupted), and throws framehex::error.
 #pragma once
 
+#include "framehex/mesh/mixed_mesh.hpp"
+
 #include "interruption.hpp"
 #include "options.hpp"
 
@@ -12,6 +14,7 @@ bool recombine(const Options& options, const framehex::Observer& observer);
 bool plane(const Options& options, const framehex::Observer& observer);
 bool shell(const Options& options, const framehex::Observer& observer);
 bool field(const Options& options, const framehex::Observer& observer);
-bool inspect(const Options& options);  // and view, which writes a page besides
+bool inspect(const Options& options);                                         // and view, which writes a page besides
+bool inspect_faces(const Options& options, const framehex::MixedMesh& mesh);  // a mesh without a volume
 
 }  // namespace program

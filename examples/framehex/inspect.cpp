@@ -8,6 +8,7 @@ namespace program {
 
 bool inspect(const Options& options) {
   const framehex::MixedMesh mesh = read_input_mesh(options);
+  if (mesh.n_cells() == 0) return inspect_faces(options, mesh);
   const Measures measures = measure(mesh);
   nlohmann::ordered_json json;
   add_to(json, measures);

@@ -237,7 +237,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
                      "exact: quadrilaterals alone, at the least cost; greedy: some triangles stay")
         ->check(CLI::IsMember({"exact", "greedy"}))
         ->capture_default_str();
-    command->add_flag("!--no-improvement", options.improve, "Leave vertices and connectivity as they are joined");
+    command->add_flag("!--no-improvement", options.improve, "Change no more than it takes to unfold cells");
     command->add_option("--crosses", options.crosses, "Write the cross field to this file as well")
         ->type_name("FILE.vtu");
     command->add_flag("--quiet", options.quiet, "Print nothing but errors");

@@ -21,7 +21,7 @@ framehex::QuadMeshingOptions meshing_options(const Options& options, const frame
   meshing.features = feature_options(options);
   meshing.order = options.front_order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
   if (options.match == "greedy") meshing.quads.goal = framehex::QuadGoal::pairs;
-  if (!options.improve) meshing.improvement.rounds = meshing.improvement.sweeps = 0;
+  if (!options.improve) meshing.improvement.scope = framehex::QuadImprovementScope::folded;
   meshing.observer = observer;
   return meshing;
 }
@@ -45,20 +45,25 @@ void write_crosses(const Options& options, const framehex::QuadMeshing& result) 
   framehex::write_mesh(options.crosses, mesh, data);
 }
 
-nlohmann::ordered_json report(const framehex::QuadMeshing& result, const framehex::verify::QuadQuality& quality) {
-  const framehex::QuadMeshingStatistics& s = result.statistics;
-  const framehex::QuadStageSeconds& t = result.seconds;
+/// Counts and quality of a mesh.
+nlohmann::ordered_json report(const framehex::QuadMesh& mesh, const framehex::verify::QuadQuality& quality) {
   nlohmann::ordered_json json;
-  json["counts"] = {{"vertices", result.mesh.points.size()},
-                    {"cells", result.mesh.cells.size()},
+  json["counts"] = {{"vertices", mesh.points.size()},
+                    {"cells", mesh.cells.size()},
                     {"quadrilaterals", quality.n_quads},
                     {"triangles", quality.n_triangles}};
-  const auto n = static_cast<double>(result.mesh.cells.size());
+  const auto n = static_cast<double>(mesh.cells.size());
   json["quad_ratio"] = {{"number", static_cast<double>(quality.n_quads) / n},
                         {"area", quality.quad_area / quality.area}};
   json["quality"] = {{"scaled_jacobian_min", quality.least}, {"scaled_jacobian_mean", quality.mean},
                      {"folded_cells", quality.folded},       {"irregular_vertices", quality.n_irregular},
                      {"index_sum", quality.index_sum},       {"euler_characteristic", quality.euler_characteristic}};
+  return json;
+}
+
+void add_course(nlohmann::ordered_json& json, const framehex::QuadMeshing& result) {
+  const framehex::QuadMeshingStatistics& s = result.statistics;
+  const framehex::QuadStageSeconds& t = result.seconds;
   json["field"] = {{"singularities", s.n_singularities}};
   json["points"] = {{"samples", s.n_points},
                     {"unremoved", s.n_unremoved_vertices},
@@ -66,7 +71,9 @@ nlohmann::ordered_json report(const framehex::QuadMeshing& result, const framehe
                     {"triangles", s.n_triangles},
                     {"opened_vertices", s.n_opened_vertices},
                     {"lengthened_curves", s.lengthened_curves},
-                    {"split_edges", s.n_split_edges}};
+                    {"split_edges", s.n_split_edges},
+                    {"widened", s.n_widened_edges},
+                    {"shrunk", s.n_shrunk_places}};
   json["seconds"] = {{"preparation", t.preparation},
                      {"field", t.field},
                      {"insertion", t.insertion},
@@ -74,14 +81,23 @@ nlohmann::ordered_json report(const framehex::QuadMeshing& result, const framehe
                      {"quadrangulation", t.quadrangulation},
                      {"improvement", t.improvement},
                      {"total", t.total()}};
-  return json;
+}
+
+void print_summary(const framehex::QuadMesh& mesh, const framehex::verify::QuadQuality& quality) {
+  std::printf(
+      "%zu quadrilaterals, %zu triangles (quadrilaterals %.1f %% by number, %.1f %% by area), scaled Jacobian "
+      "%.3f at least, %.3f on average, %zu irregular vertices",
+      quality.n_quads, quality.n_triangles,
+      100 * static_cast<double>(quality.n_quads) / static_cast<double>(mesh.cells.size()),
+      100 * quality.quad_area / quality.area, quality.least, quality.mean, quality.n_irregular);
 }
 
 /// What both commands do with a result. @return false: interrupted.
 bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
   if (result.status == framehex::Status::cancelled) return false;
   const framehex::verify::QuadQuality quality = framehex::verify::quad_quality(result.mesh);
-  nlohmann::ordered_json json = report(result, quality);
+  nlohmann::ordered_json json = report(result.mesh, quality);
+  add_course(json, result);
   finish(json, options);
   write_crosses(options, result);
   write_results(options, framehex::mixed_mesh(result.mesh),
@@ -89,14 +105,10 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
   end_progress();
   for (const framehex::index_t curve : result.statistics.lengthened_curves)
     remark(options, "curve " + std::to_string(curve) + " has one interval more than the size asks for");
-  if (!options.quiet)
-    std::printf(
-        "%zu quadrilaterals, %zu triangles (quadrilaterals %.1f %% by number, %.1f %% by area), scaled Jacobian "
-        "%.3f at least, %.3f on average, %zu irregular vertices, %.2f s\n",
-        quality.n_quads, quality.n_triangles,
-        100 * static_cast<double>(quality.n_quads) / static_cast<double>(result.mesh.cells.size()),
-        100 * quality.quad_area / quality.area, quality.least, quality.mean, quality.n_irregular,
-        result.seconds.total());
+  if (!options.quiet) {
+    print_summary(result.mesh, quality);
+    std::printf(", %.2f s\n", result.seconds.total());
+  }
   return true;
 }
 
@@ -123,6 +135,24 @@ bool shell(const Options& options, const framehex::Observer& observer) {
     meshing.features.patches = soup.patches;
     return framehex::mesh_shell(soup.surface, size, matcher, meshing);
   });
+}
+
+bool inspect_faces(const Options& options, const framehex::MixedMesh& mesh) {
+  if (mesh.faces.empty()) throw framehex::io_error(options.input + ": holds neither cells nor faces");
+  framehex::QuadMesh quads;
+  quads.points = mesh.points;
+  for (const framehex::LabelledFace& face : mesh.faces) quads.cells.push_back(face.vertices);
+  const framehex::verify::QuadQuality quality = framehex::verify::quad_quality(quads);
+  nlohmann::ordered_json json = report(quads, quality);
+  add_groups(json, mesh);
+  finish(json, options);
+  write_report(options, json);
+  if (options.quiet) return true;
+  print_summary(quads, quality);
+  std::printf("\n");
+  if (!quality.folded.empty())
+    std::printf("folded cells: %zu (the first is %u)\n", quality.folded.size(), quality.folded.front());
+  return true;
 }
 
 }  // namespace program

@@ -102,7 +102,8 @@ void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes,
 
 framehex::MixedMesh read_input_mesh(const Options& options) {
   framehex::MeshReadNotes notes;
-  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.regions = options.regions}, &notes);
+  const auto volume = options.command == Command::inspect ? framehex::Volume::optional : framehex::Volume::required;
+  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions}, &notes);
   remark_arrays(options, notes, "regions");
   return mesh;
 }

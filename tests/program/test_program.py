@@ -950,6 +950,50 @@ class TestQuadrilaterals(Case):
         self.assertEqual(result.returncode, 0, result)
         self.assertGreater(json.loads((self.folder / "out.json").read_text())["counts"]["triangles"], 0)
 
+    def test_without_improvement_there_is_a_mesh_all_the_same(self):
+        angle = 2 * np.pi * np.arange(64) / 64
+        result = self.plane(self.outline("".join(f"{np.cos(a)} {np.sin(a)}\n" for a in angle)), "--no-improvement", "--quiet")
+        self.assertEqual(result.returncode, 0, result)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(report["quality"]["folded_cells"], [])
+        self.assertEqual(report["counts"]["triangles"], 0)
+
+    def test_a_thin_wedge(self):
+        result = self.plane(self.outline("0 0\n4 0\n4 0.05\n"), "--quiet")
+        self.assertEqual(result.returncode, 0, result)
+        report = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(report["quality"]["folded_cells"], [])
+        self.assertGreater(report["points"]["widened"], 0)
+        self.assertGreater(report["quality"]["scaled_jacobian_min"], 0.01)  # the sine of the angle is 0.0125
+
+    def test_faces_alone_are_inspected_and_not_shown(self):
+        made = self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("quads.vtu"), "--report",
+                                self.path("told.json"), "--size", 0.125, "--quiet")
+        self.assertEqual(made.returncode, 0, made)
+        result = self.run_program("inspect", self.path("quads.vtu"), "--report", self.path("in.json"))
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("128 quadrilaterals, 0 triangles", result.stdout)
+        told, found = (json.loads((self.folder / name).read_text()) for name in ("told.json", "in.json"))
+        for part in ("counts", "quad_ratio", "quality"):
+            self.assertEqual(told[part], found[part])
+        self.check_refused(self.run_program("view", self.path("quads.vtu"), "-o", self.path("out.html")), "quads.vtu",
+                           "holds no tetrahedron, pyramid, prism or hexahedron")
+        # Three corners of a cell at one side of the fourth: folded, and said so.
+        points = np.array([(0, 0, 0), (2, 0, 0), (0, 2, 0), (0.2, 0.2, 0)], float)
+        meshio.write_points_cells(self.path("bent.vtu"), points, [("quad", np.array([[0, 1, 3, 2]]))])
+        self.assertIn("folded cells: 1", self.run_program("inspect", self.path("bent.vtu")).stdout)
+        meshio.write_points_cells(self.path("line.vtu"), points, [("line", np.array([[0, 1]]))])
+        self.check_refused(self.run_program("inspect", self.path("line.vtu")), "line.vtu", "neither cells nor faces")
+
+    def test_loops_either_way_and_beside_each_other(self):
+        beside = "".join(f"{x + 5} {y}\n" for x, y in ((0, 0), (2, 0), (2, 1), (0, 1)))
+        backwards = "0 1\n2 1\n2 0\n0 0\n"
+        for text, n in ((backwards, 128), (self.SQUARE + "\n" + beside, 256), (self.SQUARE + "0 0\n", 128)):
+            with self.subTest(text=text):
+                result = self.plane(self.outline(text), "--quiet")
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual(json.loads((self.folder / "out.json").read_text())["counts"]["quadrilaterals"], n)
+
     def test_bad_outlines(self):
         for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segments (2, 3) and (0, 1) cross",)),
                             ("0 0\n1 0\n1 zero\n", ("line 3", "a coordinate")),

@@ -4,6 +4,7 @@
 #include "framehex/pipeline/mesh_planar.hpp"
 #include "framehex/pipeline/mesh_shell.hpp"
 
+#include "support/flat_delaunay.hpp"
 #include "support/outlines.hpp"
 #include "support/ply.hpp"
 #include "support/quad_checks.hpp"
@@ -43,16 +44,13 @@ double area(const QuadMesh& mesh) {
   return sum;
 }
 
-/// What every result has to be: quadrilaterals alone, on the curves, irregular vertices adding up.
-void check_result(const QuadMeshing& result, const Surface& input, int characteristic, double least_mean) {
+/// What every result has to be: convex quadrilaterals alone, on the curves, irregular vertices adding up.
+void check_kept(const QuadMeshing& result, const Surface& input, int characteristic) {
   const QuadMesh& mesh = result.mesh;
   REQUIRE(result.status == Status::complete);
   CHECK(mesh.n_triangles() == 0);
   CHECK(topology_fault(mesh) == std::nullopt);
   CHECK(euler_characteristic(mesh) == characteristic);
-  const Quality quality = quality_of(mesh);
-  CHECK(quality.least >= 0.3);
-  CHECK(quality.mean >= least_mean);
   // Inside 4 cells make a vertex regular, on a rim 2.
   std::vector<int> index(mesh.points.size(), 4);
   for (const auto& [a, b] : rim_sides(mesh)) index[a] = 2;
@@ -66,6 +64,36 @@ void check_result(const QuadMeshing& result, const Surface& input, int character
       REQUIRE((carriers.onto_curve(edge.label, mesh.points[v]) - mesh.points[v]).norm() < 1e-9 * diagonal);
   const SurfaceLocator locator(input);
   for (const Vector3& p : mesh.points) REQUIRE(locator.nearest(p).distance < 1e-9 * diagonal);
+}
+
+void check_result(const QuadMeshing& result, const Surface& input, int characteristic, double least_mean) {
+  check_kept(result, input, characteristic);
+  const Quality quality = quality_of(result.mesh);
+  CHECK(quality.least >= 0.3);
+  CHECK(quality.mean >= least_mean);
+}
+
+/// Largest distance from points of one surface to the other, over the diagonal: both ways.
+double deviation(const QuadMesh& mesh, const IndexedTriangleMesh& surface) {
+  IndexedTriangleMesh flat{mesh.points, {}};
+  for (const auto& c : mesh.cells) {
+    flat.triangles.push_back({c[0], c[1], c[2]});
+    flat.triangles.push_back({c[0], c[2], c[3]});
+  }
+  double largest = 0;
+  const auto measure = [&](const IndexedTriangleMesh& from, const IndexedTriangleMesh& to) {
+    const SurfaceLocator locator(to);
+    const int n = 4;
+    for (const auto& t : from.triangles)
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; i + j <= n; ++j) {
+          const Vector3 p = (i * from.points[t[0]] + j * from.points[t[1]] + (n - i - j) * from.points[t[2]]) / n;
+          largest = std::max(largest, locator.nearest(p).distance);
+        }
+  };
+  measure(flat, surface);
+  measure(surface, flat);
+  return largest / bounding_box(surface.points).diagonal().norm();
 }
 
 Surface surface_of(const PlanarOutline& outline) {
@@ -136,37 +164,141 @@ TEST_CASE("regions share the curves between them, an odd one gets an interval mo
   CHECK(triangle.statistics.lengthened_curves.size() == 1);
 }
 
-TEST_CASE("thin regions become quadrilaterals or are refused by name, never folded cells") {
-  std::size_t n_meshed = 0;
+TEST_CASE("thin regions and sharp corners become quadrilaterals") {
+  const auto mesh = [](const PlanarOutline& outline, int characteristic) {
+    const QuadMeshing result = mesh_planar(outline, ConstantSize{0.2}, LemonMatcher{});
+    check_kept(result, surface_of(outline), characteristic);
+    CHECK(quality_of(result.mesh).least > 1e-4);  // a corner of 0.005 rad allows no more than 0.005
+  };
   for (const double thickness : {0.5, 0.2, 0.1, 0.05, 0.02, 0.01}) {
     CAPTURE(thickness);
     PlanarOutline ring = disc(), excentric = disc();
     add_loop(ring, circle({0, 0}, 1 - thickness, 128));
     add_loop(excentric, circle({0.7 - thickness, 0}, 0.3, 128));
-    const PlanarOutline wedge = one_loop({{0, 0}, {2, -thickness}, {2, thickness}});
-    for (const PlanarOutline& outline : {ring, excentric, wedge, one_loop(rectangle(2, thickness))}) {
-      try {
-        const QuadMesh mesh = mesh_planar(outline, ConstantSize{0.2}, LemonMatcher{}).mesh;
-        for (const auto& cell : mesh.cells) {
-          std::array<Vector3, 4> p;
-          for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.points[cell[i]];
-          CHECK(is_convex(p, Vector3::UnitZ()));
-        }
-        ++n_meshed;
-      } catch (const invalid_surface& e) {
-        CHECK(e.entity() == Entity::vertex);
-        CHECK(e.indices().size() == 3);
+    mesh(ring, 0);
+    mesh(excentric, 0);
+    mesh(one_loop(rectangle(2, thickness)), 1);
+    mesh(one_loop({{0, 0}, {2, -thickness}, {2, thickness}}), 1);
+    mesh(one_loop({{0, 0}, {1, -thickness}, {2, 0}, {1, thickness}}), 1);
+    mesh(one_loop({{0, 0}, {2, 0}, {0.3, thickness}}), 1);
+  }
+}
+
+TEST_CASE("where no convex cell fits, an error names the place") {
+  const PlanarOutline outline = one_loop({{0, 0}, {1, 0}, {1, 1e-8}});  // its corner is flat, to all accuracy asked for
+  try {
+    mesh_planar(outline, ConstantSize{0.2}, LemonMatcher{});
+    FAIL("a cell with a corner of 1e-8 rad is as good as folded");
+  } catch (const invalid_surface& e) {
+    CHECK(e.entity() == Entity::vertex);
+    CHECK(std::set<std::size_t>(e.indices().begin(), e.indices().end()) == std::set<std::size_t>{0, 1, 2});
+  }
+}
+
+TEST_CASE("without improvement: a mesh all the same, moved only where cells would be folded") {
+  const QuadMeshingOptions without{.improvement = {.scope = QuadImprovementScope::folded}};
+  for (const auto& [outline, characteristic] :
+       {std::pair{disc(), 1}, {annulus(), 0}, {ell(), 1}, {plate_with_holes(), -2}, {gear(), 0}}) {
+    const QuadMeshing result = mesh_planar(outline, ConstantSize{0.1}, LemonMatcher{}, without);
+    check_kept(result, surface_of(outline), characteristic);
+  }
+  // A mesh without folded cells keeps all its points and cells.
+  std::mt19937_64 engine(6);
+  const Surface surface(flat_delaunay(random_flat_points(40, engine)));
+  const QuadMesh raw = quadrangulate(surface, LemonMatcher{}).mesh;
+  const FeatureCarriers carriers(surface);
+  const QuadMesh unfolded = improve_quads(raw, carriers, without.improvement).mesh;
+  const QuadImprovement again = improve_quads(unfolded, carriers, without.improvement);
+  REQUIRE(again.folded.empty());
+  CHECK(again.n_changes == 0);
+  CHECK(again.mesh.cells == unfolded.cells);
+  REQUIRE(again.mesh.points.size() == unfolded.points.size());
+  for (std::size_t v = 0; v < unfolded.points.size(); ++v)
+    CHECK((again.mesh.points[v] - unfolded.points[v]).norm() < 1e-12);
+}
+
+TEST_CASE("random outlines: all that a result has to be") {
+  std::mt19937_64 engine(15);
+  const auto uniform = [&](double low, double high) {
+    return boost::random::uniform_real_distribution<double>(low, high)(engine);
+  };
+  for (int i = 0; i < 40; ++i) {
+    CAPTURE(i);
+    const int n = 4 + static_cast<int>(engine() % 12);
+    std::vector<Vector2> star;
+    const double bend = uniform(0, 0.3);
+    for (int k = 0; k < n; ++k) {
+      const double radius = uniform(0.6, 1);
+      for (const double part : {0.0, 0.25, 0.5, 0.75}) {  // sides are curved, or broken at their middle
+        const double angle = 2 * std::numbers::pi * (k + part) / n, r = radius + bend * part * (1 - part);
+        star.emplace_back(r * std::cos(angle), r * std::sin(angle));
       }
     }
+    PlanarOutline outline = one_loop(star);
+    const bool has_hole = engine() % 2 == 0;
+    if (has_hole) add_loop(outline, circle({uniform(-0.1, 0.1), uniform(-0.1, 0.1)}, uniform(0.1, 0.3), 64));
+    const QuadMeshing result = mesh_planar(outline, ConstantSize{uniform(0.06, 0.25)}, LemonMatcher{});
+    check_kept(result, surface_of(outline), has_hole ? 0 : 1);
   }
-  CHECK(n_meshed >= 20);
+}
+
+TEST_CASE("an odd number of intervals: the longest side of a triangle has one more, and is named") {
+  std::mt19937_64 engine(77);
+  const auto coordinate = [&] { return boost::random::uniform_real_distribution<double>(0, 4)(engine); };
+  int n_odd = 0;
+  for (int i = 0; i < 1000 && n_odd < 25; ++i) {
+    std::array<Vector2, 3> p;
+    for (Vector2& q : p) {
+      const double x = coordinate(), y = coordinate();
+      q = {x, y};
+    }
+    const double size = 0.4;
+    std::array<double, 3> length{};
+    std::array<long, 3> wanted{};
+    bool clear = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      length[k] = (p[(k + 1) % 3] - p[k]).norm();
+      wanted[k] = std::lround(length[k] / size);
+      clear = clear && std::abs(length[k] / size - static_cast<double>(wanted[k])) < 0.4 && wanted[k] > 1;
+    }
+    const Vector2 x = p[1] - p[0], y = p[2] - p[0];
+    clear = clear && std::abs(x.x() * y.y() - x.y() * y.x()) > 0.4 * length[0] * length[2];
+    for (std::size_t k = 0; k < 3; ++k)  // a blunt corner would be none
+      clear = clear && (p[(k + 1) % 3] - p[k]).dot(p[(k + 2) % 3] - p[k]) > 0;
+    if (!clear) continue;
+    const bool odd = (wanted[0] + wanted[1] + wanted[2]) % 2 == 1;
+    n_odd += odd;
+    if (odd) ++wanted[static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin())];
+    const QuadMeshing result = mesh_planar(one_loop({p[0], p[1], p[2]}), ConstantSize{size}, LemonMatcher{});
+    CHECK(result.statistics.lengthened_curves.size() == (odd ? 1 : 0));
+    CHECK(result.statistics.n_split_edges == 0);
+    std::array<long, 3> found{};
+    std::set<index_t> label_of_longest;
+    for (const LabelledEdge& edge : result.mesh.edges) {
+      const Vector3 middle3 = (result.mesh.points[edge.vertices[0]] + result.mesh.points[edge.vertices[1]]) / 2;
+      const Vector2 middle = middle3.head<2>();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector2 side = p[(k + 1) % 3] - p[k], to = middle - p[k];
+        if (std::abs(side.x() * to.y() - side.y() * to.x()) > 1e-6) continue;
+        ++found[k];
+        if (length[k] == *std::max_element(length.begin(), length.end())) label_of_longest.insert(edge.label);
+      }
+    }
+    CHECK(found == wanted);
+    REQUIRE(label_of_longest.size() == 1);
+    if (odd) CHECK(result.statistics.lengthened_curves[0] == *label_of_longest.begin());
+  }
+  CHECK(n_odd == 25);
 }
 
 TEST_CASE("shells: open and closed surfaces") {
   const IndexedTriangleMesh dome = read_ply(FRAMEHEX_TEST_DATA "/dome.ply"),
                             bunny = read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
-  check_result(mesh_shell(dome, ConstantSize{0.2}, LemonMatcher{}), Surface(dome), 2, 0.9);
-  check_result(mesh_shell(bunny, ConstantSize{0.3}, LemonMatcher{}), Surface(bunny), 2, 0.85);
+  for (const auto& [surface, size, mean] : {std::tuple{dome, 0.2, 0.9}, {bunny, 0.3, 0.85}}) {
+    const QuadMeshing result = mesh_shell(surface, ConstantSize{size}, LemonMatcher{});
+    check_result(result, Surface(surface), 2, mean);
+    CHECK(deviation(result.mesh, surface) < 0.01);
+  }
   // Half of a torus: a tube with two rims.
   IndexedTriangleMesh tube = torus_surface(2, 0.7, 48, 24);
   std::erase_if(tube.triangles, [&](const auto& t) {

@@ -70,7 +70,9 @@ struct QuadMeshingStatistics {
   std::size_t n_opened_vertices = 0;  ///< where triangles were joined that share no edge
   /// Curves with one interval more than the size asks for, so that each patch has an even number of them; ascending.
   std::vector<index_t> lengthened_curves = {};
-  std::size_t n_split_edges = 0;  ///< of curves, after the triangulation, for the same reason
+  std::size_t n_split_edges = 0;    ///< of curves, after the triangulation, for the same reason
+  std::size_t n_widened_edges = 0;  ///< that got a vertex because they lead from curve to curve where no cell fitted
+  std::size_t n_shrunk_places = 0;  ///< about which cells are smaller, because the input was too far from them
 };
 
 /// Quadrilaterals, and how they came about.

@@ -7,7 +7,14 @@
 
 namespace framehex {
 
+/// What an improvement may change.
+enum class QuadImprovementScope {
+  everywhere,
+  folded,  ///< no more than it takes to unfold cells, and those below a scaled Jacobian of 0.05 with them
+};
+
 struct QuadImprovementOptions {
+  QuadImprovementScope scope = QuadImprovementScope::everywhere;
   int rounds = 4;    ///< 0 to 1000; of changes of the connectivity, each with smoothing after it
   int sweeps = 30;   ///< 0 to 10000; most sweeps of a smoothing
   double bad = 0.4;  ///< 0 to 1; cells of a lower scaled Jacobian are mended by any change that makes them better
@@ -25,8 +32,10 @@ struct QuadImprovementOptions {
 struct QuadImprovement {
   QuadMesh mesh;
   std::vector<index_t> vertex_of;  ///< for each vertex: that of the mesh given, or `no_index` for a new one
-  std::vector<index_t> folded;  ///< cells of `mesh` that are not convex, seen against the mean normal at their corners
-  std::size_t n_changes = 0;    ///< of the connectivity
+  /// Cells of `mesh` that are not convex, seen against the mean normal at their corners, or have a corner that is flat
+  /// (a scaled Jacobian below 1e-6).
+  std::vector<index_t> folded;
+  std::size_t n_changes = 0;  ///< of the connectivity
   Status status = Status::complete;
 };
 
@@ -43,14 +52,16 @@ public:
 
   QuadImprovement run() {
     QuadImprovement result;
-    if (!improve()) result.status = Status::cancelled;
+    const bool done = options_.scope == QuadImprovementScope::folded ? unfold() : improve();
+    if (!done) result.status = Status::cancelled;
     write(result);
     result.n_changes = cleaner_.n_changes();
     return result;
   }
 
 private:
-  static constexpr double least_move = 2e-3;  ///< of a mean edge; what moves less is at rest
+  static constexpr double least_move = 5e-3;     ///< of a mean edge; what moves less is at rest
+  static constexpr double nearly_folded = 0.05;  ///< scaled Jacobian
 
   static QuadSmoother settled(EditableQuads& quads, const FeatureCarriers& carriers) {
     QuadSmoother smoother(quads, carriers);
@@ -71,24 +82,54 @@ private:
     return true;
   }
 
-  /// Sweeps over all vertices but those about which nothing moves any more.
+  /// Moves the corners of folded cells and of those beside them, then changes the connectivity there, until none is left.
+  bool unfold() {
+    if (options_.rounds > 0) cleaner_.remove_doublets();
+    std::vector<index_t> folded = folded_cells();
+    for (int round = 0; round < options_.rounds && !folded.empty(); ++round) {
+      const std::vector<index_t> region = corners_about(folded);
+      for (int sweep = 0; sweep < options_.sweeps; ++sweep) {
+        if (!keep_going(options_.observer, "improvement", 0)) return false;
+        for (const index_t v : region) smoother_.relax(v);
+      }
+      if (!cleaner_.mend(nearly_folded, options_.observer)) return false;
+      folded = folded_cells();
+    }
+    return true;
+  }
+
+  std::vector<index_t> folded_cells() const {
+    std::vector<index_t> folded;
+    for (index_t q = 0; q < quads_.corners.size(); ++q)
+      if (quads_.alive(q) && !smoother_.is_sound(q)) folded.push_back(q);
+    return folded;
+  }
+
+  std::vector<index_t> corners_about(const std::vector<index_t>& cells) const {
+    std::vector<index_t> region;
+    for (const index_t q : cells)
+      for (index_t i = 0; i < quads_.size(q); ++i)
+        quads_.for_each_corner_about(quads_.corners[q][i], [&](index_t v) { region.push_back(v); });
+    std::sort(region.begin(), region.end());
+    region.erase(std::unique(region.begin(), region.end()), region.end());
+    return region;
+  }
+
+  /// Sweeps over the vertices that have not come to rest, those about changes and new ones.
   bool smooth() {
-    std::vector<char> active(quads_.points.size(), 1), next;
+    active_.resize(quads_.points.size(), 1);
+    for (const index_t v : cleaner_.take_changed()) active_[v] = 1;
+    std::vector<char> next;
     bool moved = true;
     for (int sweep = 0; sweep < options_.sweeps && std::exchange(moved, false); ++sweep) {
-      next.assign(active.size(), 0);
-      for (index_t v = 0; v < active.size(); ++v) {
+      next.assign(active_.size(), 0);
+      for (index_t v = 0; v < active_.size(); ++v) {
         if (v % 4096 == 0 && !keep_going(options_.observer, "improvement", 0)) return false;
-        if (!active[v] || smoother_.relax(v) < least_move) continue;
+        if (!active_[v] || smoother_.relax(v) < least_move) continue;
         moved = true;
-        quads_.for_each_copy(v, [&](index_t copy) {
-          quads_.for_each_outgoing(copy, [&](index_t h) {
-            for (const index_t w : quads_.corners[h / 4])
-              if (w != no_index) next[w] = 1;
-          });
-        });
+        quads_.for_each_corner_about(v, [&](index_t w) { next[w] = 1; });
       }
-      active.swap(next);
+      active_.swap(next);
     }
     return true;
   }
@@ -110,7 +151,7 @@ private:
       if (!quads_.alive(q)) continue;
       QuadMesh::Cell cell = quads_.corners[q];
       for (index_t i = 0; i < quads_.size(q); ++i) cell[i] = number[quads_.name[cell[i]]];
-      if (!smoother_.is_convex(q)) result.folded.push_back(static_cast<index_t>(result.mesh.cells.size()));
+      if (!smoother_.is_sound(q)) result.folded.push_back(static_cast<index_t>(result.mesh.cells.size()));
       result.mesh.cells.push_back(cell);
       result.mesh.patches.push_back(quads_.patch[q]);
     }
@@ -125,6 +166,7 @@ private:
   EditableQuads quads_;
   QuadSmoother smoother_;
   QuadCleaner cleaner_;
+  std::vector<char> active_;  ///< by copy of a vertex: has moved in the last sweep, or beside one that has
 };
 
 }  // namespace detail

@@ -3,10 +3,12 @@
 
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
-#include "framehex/quads/detail/curve_edge_split.hpp"
+#include "framehex/quads/detail/thin_strips.hpp"
 #include "framehex/quads/even_intervals.hpp"
+#include "framehex/surface/limited_size.hpp"
 #include "framehex/surface/refinement.hpp"
 
+#include <optional>
 #include <utility>
 
 namespace framehex::detail {
@@ -33,19 +35,42 @@ public:
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
-    if (!going("surface insertion") || !sample_surface()) return cancelled<QuadMeshing>();
-    watch_.lap(result_.seconds.insertion);
-    if (!retriangulate_surface()) return cancelled<QuadMeshing>();
-    watch_.lap(result_.seconds.triangulation);
-    if (!going("quadrangulation")) return cancelled<QuadMeshing>();
-    join_triangles();
-    watch_.lap(result_.seconds.quadrangulation);
-    if (!improve()) return cancelled<QuadMeshing>();
-    watch_.lap(result_.seconds.improvement);
-    return std::move(result_);
+    // No cell that is folded is ever handed out: where one is left, the next attempt gives it more room. Where the input
+    // is far from a sound mesh, the next has a smaller size.
+    for (int attempt = 0;; ++attempt) {
+      if (!fill_patches()) return cancelled<QuadMeshing>();
+      const bool is_last = attempt == most_attempts;
+      if (!folded_.empty()) {
+        if (is_last && sound_) return std::move(*sound_);
+        if (is_last) refuse();
+        remember_folded();
+      } else if (is_last || !shrink_where_far()) {
+        return std::move(result_);
+      } else {
+        sound_ = result_;
+      }
+    }
   }
 
 private:
+  static constexpr int most_attempts = 3;    ///< after the first
+  static constexpr double negligible = 0.4;  ///< of the size: a distance that does not count as far
+  static constexpr double smaller = 0.6;     ///< of the size, where the mesh is too far from the input
+
+  /// @return false when told to stop.
+  bool fill_patches() {
+    if (!going("surface insertion") || !sample_surface()) return false;
+    watch_.lap(result_.seconds.insertion);
+    if (!retriangulate_surface()) return false;
+    watch_.lap(result_.seconds.triangulation);
+    if (!going("quadrangulation")) return false;
+    join_triangles();
+    watch_.lap(result_.seconds.quadrangulation);
+    if (!improve()) return false;
+    watch_.lap(result_.seconds.improvement);
+    return true;
+  }
+
   bool going(std::string_view stage) const { return keep_going(options_.observer, stage, 0); }
 
   /// Triangles no longer than the mean size, unless that makes too many: crosses are one a triangle.
@@ -101,16 +126,28 @@ private:
     result_.statistics.n_unremoved_vertices = again.n_unremoved;
     result_.statistics.n_added_vertices = again.n_added;
     surface_ = std::move(again.surface);
+    widen_thin_strips();
     // Vertices that were added or had to stay may have made a patch odd again.
+    result_.statistics.n_split_edges = 0;
     std::vector<index_t> n_intervals;
     for (std::size_t c = 0; c < surface_.features.curves.size(); ++c)
       n_intervals.push_back(static_cast<index_t>(surface_.features.curves[c].size() - 1));
     for (const index_t curve : curves_to_lengthen(surface_, n_intervals)) {
-      split_longest_edge(surface_, curve);
+      halve_longest_edge(surface_, curve);
       ++result_.statistics.n_split_edges;
     }
     result_.statistics.n_triangles = surface_.triangles().size();
     return true;
+  }
+
+  /// Strips of one triangle's width, where an attempt has left folded cells, become two cells wide: a corner that is
+  /// sharp, and curves that meet there, need vertices between them.
+  void widen_thin_strips() {
+    if (folded_places_.empty()) return;
+    const std::vector<EdgeHalver::Edge> across = edges_across_strips(surface_, folded_places_);
+    if (across.empty() && !sound_) refuse();
+    EdgeHalver(surface_).run(across);
+    result_.statistics.n_widened_edges = across.size();
   }
 
   void join_triangles() {
@@ -157,32 +194,69 @@ private:
     QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options_.improvement);
     if (improved.status != Status::complete) return false;
     result_.mesh = std::move(improved.mesh);
-    // No cell that is folded is ever handed out.
-    if (!improved.folded.empty()) refuse(result_.mesh.cells[improved.folded.front()]);
+    folded_ = std::move(improved.folded);
     return true;
   }
 
-  [[noreturn]] void refuse(const QuadMesh::Cell& cell) const {
+  Vector3 centre(index_t cell) const {
+    const QuadMesh::Cell& corners = result_.mesh.cells[cell];
     Vector3 sum = Vector3::Zero();
-    const std::size_t n = QuadMesh::n_corners(cell);
-    for (std::size_t i = 0; i < n; ++i) sum += result_.mesh.points[cell[i]];
-    const auto& near = input_.triangles()[locator_.nearest(sum / static_cast<double>(n)).triangle];
+    const std::size_t n = QuadMesh::n_corners(corners);
+    for (std::size_t i = 0; i < n; ++i) sum += result_.mesh.points[corners[i]];
+    return sum / static_cast<double>(n);
+  }
+
+  /// Makes the size smaller where vertices of the background are too far from the mesh. @return false: none is.
+  bool shrink_where_far() {
+    const Eigen::AlignedBox3d box = bounding_box(input_.points);
+    if (box.sizes().minCoeff() == 0) return false;  // all lies in a plane
+    const double tolerance = options_.retriangulation.max_deviation * box.diagonal().norm();
+    IndexedTriangleMesh mesh{result_.mesh.points, {}};
+    for (const QuadMesh::Cell& c : result_.mesh.cells) {
+      mesh.triangles.push_back({c[0], c[1], c[2]});
+      if (c[3] != no_index) mesh.triangles.push_back({c[0], c[2], c[3]});
+    }
+    const SurfaceLocator to_mesh(mesh);
+    const Surface& surface = result_.background;
+    std::vector<SizeLimit> limits;
+    for (index_t v = 0; v < surface.points.size(); ++v) {
+      if (surface.adjacency.triangles_of_vertex[v].empty()) continue;
+      const double size = size_(surface.points[v]);
+      if (to_mesh.nearest(surface.points[v]).distance > std::max(tolerance, negligible * size))
+        limits.push_back({surface.points[v], smaller * size});
+    }
+    size_.add(limits);
+    result_.statistics.n_shrunk_places = size_.limits().size();
+    return !limits.empty();
+  }
+
+  void remember_folded() {
+    for (const index_t cell : folded_) folded_places_.push_back(centre(cell));
+  }
+
+  [[noreturn]] void refuse() const {
+    const auto& near = input_.triangles()[locator_.nearest(centre(folded_.front())).triangle];
+    const bool in_part = options_.improvement.scope == QuadImprovementScope::folded;
     throw invalid_surface("no convex cell of this size fits between vertices " + std::to_string(near[0]) + ", " +
                               std::to_string(near[1]) + " and " + std::to_string(near[2]) +
-                              ": the domain is too thin, or turns too much, for the size there",
+                              ": the domain is too thin, or turns too much, for the size there" +
+                              (in_part ? "; improvement everywhere may find one" : ""),
                           Entity::vertex, {near[0], near[1], near[2]});
   }
 
   const Match& matcher_;
-  const Size& size_;
+  LimitedSize<Size> size_;
   QuadMeshingOptions options_;
 
   Stopwatch watch_;
   QuadMeshing result_;
+  std::optional<QuadMeshing> sound_;  // of an attempt that was too far from the input
   Surface input_;
   SurfaceLocator locator_;  // of the input
   Surface surface_;         // through the samples
   SurfaceInsertion samples_;
+  std::vector<index_t> folded_;         // cells of the last attempt
+  std::vector<Vector3> folded_places_;  // of all attempts
 };
 
 }  // namespace framehex::detail

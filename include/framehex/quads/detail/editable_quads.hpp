@@ -85,6 +85,16 @@ public:
     });
   }
 
+  /// Calls `visit(copy of a corner)` for all corners of the cells round a vertex, itself among them, some twice.
+  template <class Visit>
+  void for_each_corner_about(index_t v, Visit&& visit) const {
+    for_each_copy(v, [&](index_t copy) {
+      for_each_outgoing(copy, [&](index_t h) {
+        for (index_t i = 0; i < size(h / 4); ++i) visit(corners[h / 4][i]);
+      });
+    });
+  }
+
   bool joined(index_t v, index_t w) const {
     bool found = name[v] == name[w];
     for_each_copy(

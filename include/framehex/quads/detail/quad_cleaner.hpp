@@ -20,6 +20,9 @@ public:
 
   std::size_t n_changes() const { return n_changes_; }
 
+  /// Vertices about the changes since the last call, some more than once.
+  std::vector<index_t> take_changed() { return std::exchange(changed_, {}); }
+
   /// Joins the two quadrilaterals of each vertex inside that has no more.
   void remove_doublets() {
     for (bool again = true; std::exchange(again, false);)
@@ -223,10 +226,12 @@ private:
     const bool accepted = purpose == Purpose::regularity
                               ? after >= std::min(before, good)
                               : after >= before - 1e-3 && deficit() < deficit_before - least_gain;
-    if (accepted)
+    if (accepted) {
       quads_.keep();
-    else
+      changed_.insert(changed_.end(), region_.begin(), region_.end());
+    } else {
       quads_.take_back();
+    }
     return accepted;
   }
 
@@ -234,12 +239,7 @@ private:
   void gather_region(const Candidate& candidate) {
     region_.clear();
     const auto add_cells_round = [&](index_t v) {
-      quads_.for_each_copy(v, [&](index_t copy) {
-        quads_.for_each_outgoing(copy, [&](index_t h) {
-          const auto corners = quads_.corners[h / 4];
-          region_.insert(region_.end(), corners.begin(), corners.begin() + quads_.size(h / 4));
-        });
-      });
+      quads_.for_each_corner_about(v, [&](index_t corner) { region_.push_back(corner); });
     };
     for (const index_t cell : {candidate.h / 4, quads_.opposite[candidate.h] / 4})
       if (cell < quads_.corners.size())
@@ -296,7 +296,7 @@ private:
   QuadSmoother& smoother_;
   std::size_t n_changes_ = 0;
   std::vector<Candidate> candidates_;
-  std::vector<index_t> region_, fan_;
+  std::vector<index_t> region_, fan_, changed_;
 };
 
 }  // namespace framehex::detail

@@ -63,6 +63,9 @@ public:
     return framehex::is_convex(places(q, storage), normal(q));
   }
 
+  /// Convex, and not for want of rounding: a corner on a straight side is as good as folded.
+  bool is_sound(index_t q) const { return is_convex(q) && quality(q) > flat; }
+
   Vector3 normal(index_t q) const {
     Vector3 sum = Vector3::Zero();
     for (std::size_t i = 0; i < quads_.size(q); ++i) sum += quads_.normals[quads_.corners[q][i]];
@@ -87,6 +90,8 @@ public:
   }
 
 private:
+  static constexpr double flat = 1e-6;  ///< scaled Jacobian
+
   std::span<const Vector3> places(index_t q, std::array<Vector3, 4>& storage) const {
     const std::size_t n = quads_.size(q);
     for (std::size_t i = 0; i < n; ++i) storage[i] = quads_.points[quads_.corners[q][i]];
