@@ -195,8 +195,10 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->excludes(bodies)
       ->default_str("1e-4");
   add_field(mesh, options);
-  mesh.add_option("--order", options.order,
-                  "Placement of points: as one lattice, or by fronts, smoothest field first or first in first out")
+  mesh.add_option(
+          "--order", options.order,
+          "Placement of points: as one lattice, or by fronts, smoothest field first (the default with --curvature "
+          "and --cells-across) or first in first out")
       ->check(CLI::IsMember({"lattice", "smoothness", "fifo"}))
       ->capture_default_str();
   mesh.add_flag("--quadratic", options.quadratic,
@@ -278,6 +280,9 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
                     : plane.parsed()     ? Command::plane
                     : shell.parsed()     ? Command::shell
                                          : Command::inspect;
+  // A lattice has four, eight, twelve... steps round a circle, whatever is asked for.
+  const bool counts = options.segments || options.cells_across;
+  if (counts && mesh["--order"]->empty()) options.order = "smoothness";
   return options;
 }
 

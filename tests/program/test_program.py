@@ -757,7 +757,7 @@ class TestQuadratic(Case):
         counts = None
         for out, more in (("q.vtu", ()), ("q.msh", ()), ("q22.msh", ("--msh", "2.2")), ("q.inp", ("--pyramids", "bricks"))):
             with self.subTest(out):
-                result = self.run_program("mesh", self.path("round.stl"), "-o", self.path(out), "--size", "0.4",
+                result = self.run_program("mesh", self.path("round.stl"), "-o", self.path(out), "--size", "0.3",
                                           "--quadratic", "--report", self.path("q.json"), *more)
                 self.assertEqual(result.returncode, 0, result)
                 mesh = read(self.path(out))
@@ -794,7 +794,7 @@ class TestQuadratic(Case):
                 for i in range(len(p)):
                     volume += np.dot(centre, np.cross(p[i], p[(i + 1) % len(p)])) / 6
         if n > 0:
-            # Plain cells of size 0.4 leave out 2.5 % of the disc.
+            # Plain cells of size 0.3 leave out 2.5 % of the disc.
             self.assertAlmostEqual(abs(volume) / np.pi, 1, delta=0.01)
 
     def test_formats_that_hold_none_are_refused(self):
