@@ -997,7 +997,7 @@ class TestQuadrilaterals(Case):
     def test_bad_outlines(self):
         for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segments (2, 3) and (0, 1) cross",)),
                             ("0 0\n1 0\n1 zero\n", ("line 3", "a coordinate")),
-                            ("0 0\n1 nan\n1 1\n", ("not finite",)),
+                            ("0 0\n1 nan\n1 1\n", ("vertex 1", "not finite")),
                             ("\n# nothing\n", ("holds no line",)),
                             ("0 0\n1 0\n1 1\n\ninner\n2 2\n3 3\n", ("polyline 1 lies outside",)),
                             ("inner\n0 0\n1 1\n", ("no loop",)),

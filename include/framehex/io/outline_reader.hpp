@@ -21,7 +21,9 @@ public:
 
   index_t vertex(double x, double y) {
     if (!std::isfinite(x) || !std::isfinite(y))
-      throw invalid_coordinate(name_ + ": a point of the outline has a coordinate that is not finite");
+      throw invalid_coordinate(
+          name_ + ": vertex " + std::to_string(outline_.points.size()) + " has a coordinate that is not finite",
+          Entity::vertex, {outline_.points.size()});
     const auto [at, is_new] = known_.try_emplace({x, y}, static_cast<index_t>(outline_.points.size()));
     if (is_new) outline_.points.emplace_back(x, y);
     return at->second;
