@@ -99,7 +99,8 @@ def write_bracket(path):
 
 
 def mixed_model(program, surface, folder, cells):
-    inp = common.mesh(program, surface, folder / "mesh.inp", cells, "--pyramids", "bricks")
+    # By fronts: a lattice fits the bracket with hexahedra alone, and all kinds are to be shown.
+    inp = common.mesh(program, surface, folder / "mesh.inp", cells, "--pyramids", "bricks", "--order", "smoothness")
     head, hexahedra = inp.read_text().rsplit("*ELEMENT, TYPE=C3D8,", 1)  # the block before is that of the pyramids
     return Model(f"{head}*ELEMENT, TYPE=C3D8I,{hexahedra}")
 
