@@ -5,6 +5,7 @@
 PROGRAM is `framehex`; FOLDER holds bunny.stl and dome.ply (tests/data). Needs meshio and matplotlib.
 """
 import argparse
+import contextlib
 import pathlib
 import subprocess
 import tempfile
@@ -107,13 +108,19 @@ def draw_crosses(runner):
     figure.savefig(IMAGES / "planar-crosses.png", dpi=110, bbox_inches="tight")
 
 
-def main():
+@contextlib.contextmanager
+def command_line():
+    """A runner of the program that the arguments name, and the folder of surfaces."""
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("--models", type=pathlib.Path, default=pathlib.Path(__file__).parents[2] / "tests" / "data")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        runner = Runner(arguments.program.resolve(), folder)
+        yield Runner(arguments.program.resolve(), folder), arguments.models
+
+
+def main():
+    with command_line() as (runner, models):
         draw_crosses(runner)
 
         figure, axes = plt.subplots(1, 2, figsize=(15, 3.4))
@@ -129,8 +136,8 @@ def main():
         figure.savefig(IMAGES / "planar-domains.png", dpi=100)
 
         figure = plt.figure(figsize=(12, 5.5))
-        bunny = runner.mesh("shell", arguments.models / "bunny.stl", 0.26)
-        dome = runner.mesh("shell", arguments.models / "dome.ply", 0.156)
+        bunny = runner.mesh("shell", models / "bunny.stl", 0.26)
+        dome = runner.mesh("shell", models / "dome.ply", 0.156)
         draw_shell(figure.add_subplot(1, 2, 1, projection="3d"), bunny, "bunny", (110, -80))
         draw_shell(figure.add_subplot(1, 2, 2, projection="3d"), dome, "dome", (25, -60))
         figure.tight_layout()

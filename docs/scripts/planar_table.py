@@ -5,16 +5,13 @@
 PROGRAM is `framehex`; FOLDER holds the surfaces (tests/data). Counts and indices come from the program's report; the
 deviation of shells is measured here, both ways. Needs meshio, numpy and scipy.
 """
-import argparse
 import json
-import pathlib
-import tempfile
 
 import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
-from planar_pictures import Runner, circle, gear, plate
+from planar_pictures import circle, command_line, gear, plate
 
 SHELLS = {"bunny.stl": 0.26, "dome.ply": 0.156, "piece.ply": 0.108, "blade.ply": 0.026, "fuselage.ply": 0.156, "naca.ply": 0.038}
 
@@ -101,13 +98,8 @@ def deviation(mesh, surface, size):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("program", type=pathlib.Path)
-    parser.add_argument("--models", type=pathlib.Path, default=pathlib.Path(__file__).parents[2] / "tests" / "data")
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        runner = Runner(arguments.program.resolve(), folder)
-        report = pathlib.Path(folder) / "report.json"
+    with command_line() as (runner, models):
+        report = runner.folder / "report.json"
 
         def row(command, name, source, size):
             mesh = runner.mesh(command, source, size, "--report", report)
@@ -122,7 +114,7 @@ def main():
         for name, (outline, size) in planes().items():
             row("plane", name, outline, size)
         for name, size in SHELLS.items():
-            row("shell", name.split(".")[0], arguments.models / name, size)
+            row("shell", name.split(".")[0], models / name, size)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ public:
 
   /// Checks that no silence was longer than `Observer` promises, from when the observer was made to now.
   void check_silences() {
-    constexpr double limit = 0.3;  // s; 0.2 is promised, the rest is for a busy machine
+    constexpr double limit = 0.2;  // s
     hear("(end)");
     for (const auto& [stages, silence] : longest_) {
       INFO(stages.first << " to " << stages.second << ": " << silence.n_calls << " calls");

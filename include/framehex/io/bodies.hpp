@@ -11,25 +11,28 @@ namespace detail {
 /// Parts of a surface that are flat and joined across edges of two triangles, each with the edges round it.
 class FlatParts {
 public:
+  using Edge = std::array<index_t, 2>;
+
   explicit FlatParts(const IndexedTriangleMesh& mesh) : mesh_(mesh), sets_(mesh.triangles.size()) {
     const EdgeUses edges(mesh);
     edges.for_each_edge([&](std::size_t i, std::size_t j) {
       const index_t h = edges.uses[i].half_edge;
       if (j - i == 2 && is_flat(h, edges.uses[i + 1].half_edge)) sets_.join(h / 3, edges.uses[i + 1].half_edge / 3);
     });
-    rims_.resize(mesh.triangles.size());
-    edges.for_each_edge([&](std::size_t i, std::size_t j) {
-      const bool is_inner =
-          j - i == 2 && sets_.find(edges.uses[i].half_edge / 3) == sets_.find(edges.uses[i + 1].half_edge / 3);
-      for (std::size_t k = i; k < j && !is_inner; ++k)
-        rims_[sets_.find(edges.uses[k].half_edge / 3)].push_back({edges.uses[k].low, edges.uses[k].high});
+    rims_ = make_csr<Edge>(mesh.triangles.size(), [&](auto&& put) {
+      edges.for_each_edge([&](std::size_t i, std::size_t j) {
+        const bool is_inner =
+            j - i == 2 && part_of(edges.uses[i].half_edge / 3) == part_of(edges.uses[i + 1].half_edge / 3);
+        for (std::size_t k = i; k < j && !is_inner; ++k)
+          put(part_of(edges.uses[k].half_edge / 3), Edge{edges.uses[k].low, edges.uses[k].high});
+      });
     });
   }
 
   index_t part_of(index_t triangle) { return sets_.find(triangle); }
 
   /// Edges round the part whose first triangle this is, ascending.
-  const std::vector<std::array<index_t, 2>>& rim(index_t part) const { return rims_[part]; }
+  std::span<const Edge> rim(index_t part) const { return rims_[part]; }
 
 private:
   /// Do two triangles lie in one plane, but for a millionth of their size?
@@ -45,7 +48,7 @@ private:
 
   const IndexedTriangleMesh& mesh_;
   DisjointSets sets_;
-  std::vector<std::vector<std::array<index_t, 2>>> rims_;  // by first triangle
+  Csr<Edge> rims_;  // by first triangle
 };
 
 }  // namespace detail
@@ -62,10 +65,12 @@ inline std::size_t merge_walls(SoupSurface& soup) {
   std::vector<index_t> by_rim;
   for (index_t t = 0; t < triangles.size(); ++t)
     if (parts.part_of(t) == t) by_rim.push_back(t);
-  std::sort(by_rim.begin(), by_rim.end(),
-            [&](index_t s, index_t t) { return std::tie(parts.rim(s), s) < std::tie(parts.rim(t), t); });
+  std::stable_sort(by_rim.begin(), by_rim.end(), [&](index_t s, index_t t) {
+    return std::ranges::lexicographical_compare(parts.rim(s), parts.rim(t));
+  });
   std::vector<std::uint8_t> again(triangles.size(), 0);
-  for (std::size_t i = 1; i < by_rim.size(); ++i) again[by_rim[i]] = parts.rim(by_rim[i]) == parts.rim(by_rim[i - 1]);
+  for (std::size_t i = 1; i < by_rim.size(); ++i)
+    again[by_rim[i]] = std::ranges::equal(parts.rim(by_rim[i]), parts.rim(by_rim[i - 1]));
   for (index_t t = 0; t < triangles.size(); ++t) again[t] = again[parts.part_of(t)];
   const auto drop = [&](auto& rows) {
     if (rows.empty()) return;

@@ -101,22 +101,22 @@ private:
     return true;
   }
 
-  /// A lattice with holes can do worse than fronts, and only the meshes tell: the one with fewer poor cells stays, or else
-  /// with more hexahedra by volume.
+  /// A lattice with holes, or whose cells did not become hexahedra, can do worse than fronts, and only the meshes tell: the
+  /// better one stays.
   bool compare_with_fronts() {
-    if (result_.statistics.lattice_volume > least_sure_lattice_) return true;
+    if (result_.statistics.lattice_volume > least_sure_lattice &&
+        share_of_hexahedra(result_.recombination.mesh) > least_sure_hexahedra)
+      return true;
     MeshingResult with_lattice = result_;
     use_fronts();
+    bool better = false;
     try {
       if (!make_mesh()) return false;
+      better = is_better(result_, with_lattice, options_.least_quality);
     } catch (const error&) {  // of points that the lattice did without
-      result_ = std::move(with_lattice);
-      return true;
     }
-    if (!is_better(result_, with_lattice, options_.least_quality)) {
-      result_ = std::move(with_lattice);
-      result_.recombination.seconds = seconds_;
-    }
+    if (!better) result_ = std::move(with_lattice);
+    result_.recombination.seconds = seconds_;
     return true;
   }
 
@@ -434,8 +434,8 @@ private:
     }
   }
 
-  /// Share of the volume in a lattice, with less of which fronts have been ahead on some bodies.
-  static constexpr double least_sure_lattice_ = 0.975;
+  // Shares of the volume, in a lattice and in hexahedra, with less of which fronts have been ahead on some bodies.
+  static constexpr double least_sure_lattice = 0.975, least_sure_hexahedra = 0.9;
 
   const T& tetrahedralizer_;
   LimitedSize<Size> size_;
