@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/parts/detail/contender_turns.hpp"
 #include "framehex/parts/detail/greedy_rounds.hpp"
 #include "framehex/parts/detail/halo.hpp"
 #include "framehex/parts/detail/part_candidates.hpp"
@@ -32,7 +33,8 @@ std::array<Vector3, 8> corners_of(const std::vector<Vector3>& points, const std:
 }
 
 struct Found {
-  std::multiset<Coordinates> candidates, taken;
+  std::multiset<Coordinates> candidates, taken, improved;
+  double weight = 0, improved_weight = 0;
 };
 
 Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_size) {
@@ -59,13 +61,37 @@ Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_si
     const auto pool =
         detail::BorderExchange(transport, partition, patch).run(std::move(candidates), std::move(weights));
     const ImplicitIncompatibilityGraph graph(pool.candidates, [&](index_t i) { return pool.weights[i]; });
-    detail::GreedyRounds rounds(transport, pool, graph);
+    detail::CandidateStates states(transport, pool);
+    detail::GreedyRounds rounds(transport, pool, graph, states);
     if (!rounds.run([] { return false; })) throw std::runtime_error("stopped");
+    std::vector<std::uint8_t> greedy;
+    for (index_t i = 0; i < pool.n_own; ++i)
+      greedy.push_back(states[i] == detail::CandidateStates<test::ThreadTransport>::taken);
+    const Observer nobody;
+    detail::CallingThread thread(nobody);
+    const SerialExecutor serial;
+    detail::ContenderTurns turns(transport, pool, graph, states, serial, thread);
+    for (const double shift : {0.0, 0.4, 0.2}) {
+      const MortonCube shifted(low, high, shift);
+      std::vector<MortonCube::Code> own_codes;
+      for (std::size_t t = 0; t < input.tets.size(); ++t)
+        own_codes.push_back(shifted.code(detail::centre_of_tet(input, t)));
+      turns.run(Partition(transport, shifted, own_codes, part_size), 1);
+    }
+    if (!detail::GreedyRounds(transport, pool, graph, states).run([] { return false; }))
+      throw std::runtime_error("stopped");
     const std::lock_guard lock(mutex);
     for (index_t i = 0; i < pool.n_own; ++i) {
       const Coordinates key = key_of(corners_of(pool.points, pool.candidates.vertices[i]));
       found.candidates.insert(key);
-      if (rounds.state(i) == detail::GreedyRounds<test::ThreadTransport>::State::taken) found.taken.insert(key);
+      if (greedy[i]) {
+        found.taken.insert(key);
+        found.weight += pool.weights[i];
+      }
+      if (states[i] == detail::CandidateStates<test::ThreadTransport>::taken) {
+        found.improved.insert(key);
+        found.improved_weight += pool.weights[i];
+      }
     }
   });
   return found;
@@ -118,12 +144,18 @@ TEST_CASE("candidates and greedy selection of parts are those of the whole mesh"
     const IndexedTetMesh mesh = test::jittered_kuhn(8, jitter);
     const Found whole = find_at_once(mesh);
     REQUIRE(whole.taken.size() > 100);
-    for (const int n_ranks : {1, 2, 3, 5})
-      for (const std::size_t part_size : {50u, 400u, 100000u}) {
+    for (const std::size_t part_size : {50u, 400u, 100000u}) {
+      std::multiset<Coordinates> improved;
+      for (const int n_ranks : {1, 2, 3, 5}) {
         CAPTURE(jitter, n_ranks, part_size);
-        const Found parts = find_on_ranks(test::permuted(mesh, part_size), n_ranks, part_size);
+        const Found parts =
+            find_on_ranks(test::permuted(mesh, part_size + static_cast<std::size_t>(n_ranks)), n_ranks, part_size);
         CHECK(parts.candidates == whole.candidates);
         CHECK(parts.taken == whole.taken);
+        CHECK(parts.improved_weight >= parts.weight);
+        if (n_ranks == 1) improved = parts.improved;
+        CHECK(parts.improved == improved);
       }
+    }
   }
 }

@@ -36,7 +36,23 @@ struct CandidatePool {
   };
   std::vector<Holder> holders;  ///< who has copies of which own candidates, ascending
 
+  std::vector<global_t> tet_number;  ///< by tetrahedron
+
   std::size_t size() const { return candidates.size(); }
+
+  CandidateRecord record(index_t i, int rank) const {
+    CandidateRecord r{};
+    for (std::size_t k = 0; k < 8; ++k) {
+      const index_t v = candidates.vertices[i][k];
+      r.vertices[k] = vertex_number[v];
+      r.places[k] = place_of(points[v]);
+    }
+    r.weight = weights[i];
+    r.index = i;
+    r.rank = rank;
+    r.n_tets = static_cast<std::uint32_t>(candidates.tets[i].size());
+    return r;
+  }
 
   /// Heavier, or as heavy and before it by the coordinates of its corners: an order of all candidates of all ranks.
   bool is_before(index_t u, index_t v) const {
@@ -69,6 +85,7 @@ public:
     pool.weights = std::move(weights);
     pool.points = patch_.mesh.points;
     pool.vertex_number = patch_.vertex_number;
+    pool.tet_number = patch_.tet_number;
     if (transport_.n_ranks() == 1) return pool;
     show(pool);
     introduce(pool);
@@ -85,20 +102,6 @@ private:
 
   int rank_of(index_t vertex) const { return partition_.rank(patch_.leaf_of_vertex[vertex]); }
 
-  CandidateRecord record(const CandidatePool& pool, index_t i) const {
-    CandidateRecord r{};
-    for (std::size_t k = 0; k < 8; ++k) {
-      const index_t v = pool.candidates.vertices[i][k];
-      r.vertices[k] = pool.vertex_number[v];
-      r.places[k] = place_of(pool.points[v]);
-    }
-    r.weight = pool.weights[i];
-    r.index = i;
-    r.rank = transport_.rank();
-    r.n_tets = static_cast<std::uint32_t>(pool.candidates.tets[i].size());
-    return r;
-  }
-
   Shown send(Rows<CandidateRecord> records, Rows<global_t> tets) const {
     Shown shown;
     shown.records = send_joined(transport_, std::move(records));
@@ -112,9 +115,9 @@ private:
   }
 
   void put(const CandidatePool& pool, index_t i, int rank, Rows<CandidateRecord>& records, Rows<global_t>& tets) const {
-    records[static_cast<std::size_t>(rank)].push_back(record(pool, i));
+    records[static_cast<std::size_t>(rank)].push_back(pool.record(i, transport_.rank()));
     for (const index_t tet : pool.candidates.tets[i])
-      tets[static_cast<std::size_t>(rank)].push_back(patch_.tet_number[tet]);
+      tets[static_cast<std::size_t>(rank)].push_back(pool.tet_number[tet]);
   }
 
   void show(const CandidatePool& pool) {
@@ -221,9 +224,11 @@ private:
       for (std::size_t k = 0; k < r.n_tets; ++k) {
         const global_t number = shown_.tets[shown_.first_tet[n] + k];
         index_t tet = patch_.tet(number);
-        if (tet == no_index)
-          tet = new_tet.try_emplace(number, static_cast<index_t>(patch_.tet_number.size() + new_tet.size()))
-                    .first->second;
+        if (tet == no_index) {
+          const auto [at, is_new] = new_tet.try_emplace(number, static_cast<index_t>(pool.tet_number.size()));
+          tet = at->second;
+          if (is_new) pool.tet_number.push_back(number);
+        }
         tets.values.push_back(tet);
       }
       std::sort(tets.values.begin() + static_cast<std::ptrdiff_t>(tets.offsets.back()), tets.values.end());
