@@ -121,6 +121,8 @@
 #include "framehex/assembly/options.hpp"
 #include "framehex/parts/input.hpp"
 #include "framehex/parts/partition.hpp"
+#include "framehex/parts/recombine_in_parts.hpp"
+#include "framehex/parts/result.hpp"
 #include "framehex/parts/transport.hpp"
 #include "framehex/quads/even_intervals.hpp"
 #include "framehex/quads/improvement.hpp"

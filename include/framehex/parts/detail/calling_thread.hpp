@@ -14,7 +14,6 @@ public:
   explicit CallingThread(const Observer& observer) : observer_(observer) {}
 
   /// For the parts of a stage. It must not outlive this.
-  /// @param fraction  callable: progress of the part -> progress of the whole.
   Observer part(std::string_view stage) {
     return [this, stage](const Progress&) { return go_on(stage, fraction_); };
   }
@@ -25,6 +24,7 @@ public:
   }
 
   void set_fraction(double fraction) { fraction_ = fraction; }
+  double fraction() const { return fraction_; }
   bool stopped() const { return stopped_; }
 
 private:

@@ -46,9 +46,9 @@ public:
       const CandidateRecord& c = items_[i].record->candidate;
       auto& corners = order.emplace_back(Corners{{}, i}).vertices;
       for (std::size_t k = 0; k < 8; ++k)
-        corners[k] = static_cast<index_t>(std::lower_bound(vertices.begin(), vertices.end(),
-                                                           VertexRecord{c.vertices[k], c.places[k]}, before) -
-                                          vertices.begin());
+        corners[k] = static_cast<index_t>(
+            std::lower_bound(vertices.begin(), vertices.end(), VertexRecord{c.vertices[k], c.places[k]}, before) -
+            vertices.begin());
     }
     std::sort(order.begin(), order.end(), [](const Corners& a, const Corners& b) { return a.vertices < b.vertices; });
     std::vector<Item> sorted_items;

@@ -18,7 +18,8 @@ public:
 
   /// @param graph   of the pool's candidates.
   /// @param states  what is taken stays, the others are looked at.
-  GreedyRounds(const Tr& transport, const CandidatePool& pool, const ImplicitIncompatibilityGraph& graph, States& states)
+  GreedyRounds(const Tr& transport, const CandidatePool& pool, const ImplicitIncompatibilityGraph& graph,
+               States& states)
       : transport_(transport), pool_(pool), graph_(graph), states_(states), taken_(graph) {
     for (index_t v = 0; v < pool_.size(); ++v)
       if (states_[v] == States::taken)
