@@ -140,10 +140,14 @@ private:
   /// Whether an own candidate can compete with members that may go.
   bool contends(index_t v, const Occupancy<ImplicitIncompatibilityGraph>& occupied) {
     seen_.clear();
+    double so_far = 0;
     const bool cannot = occupied.any_blocker(v, [&](index_t member) {
       if (leaf_[member] != leaf_[v]) return true;
-      if (std::find(seen_.begin(), seen_.end(), member) == seen_.end()) seen_.push_back(member);
-      return false;
+      if (std::find(seen_.begin(), seen_.end(), member) != seen_.end()) return false;
+      seen_.push_back(member);
+      so_far += pool_.weights[member];
+      // Clearly too light, in whatever order the rest is added up.
+      return pool_.weights[v] < 0.999999 * least_share * so_far;
     });
     if (cannot) return false;
     // In order, so that the sum does not depend on who adds it up.
