@@ -285,3 +285,57 @@ TEST_CASE("input of parts that is refused") {
     CHECK(e.indices() == std::vector<std::size_t>{5});
   }
 }
+
+TEST_CASE("recombine goes by parts where it is told") {
+  const IndexedTetMesh mesh = test::jittered_delaunay(10, 8, 0.35);
+  RecombineOptions options;
+  options.part_size = 1500;
+  const Recombination serial = recombine(mesh, options);
+  check_sound(serial.mesh, 1000);
+  CHECK(serial.selection.bound >= serial.selection.weight);
+  CHECK(serial.selection.bound < 1.5 * serial.selection.weight);
+  const auto same = [&](const Recombination& other) {
+    return other.mesh.cells.values == serial.mesh.cells.values && other.mesh.kinds == serial.mesh.kinds &&
+           other.mesh.points == serial.mesh.points;
+  };
+  for (const std::size_t n_threads : {2u, 3u}) CHECK(same(recombine(mesh, options, ThreadExecutor(n_threads))));
+
+  // The tables of the result.
+  REQUIRE(serial.vertex_of.size() == serial.mesh.points.size());
+  REQUIRE(serial.cell_of.size() == serial.mesh.n_cells());
+  std::set<index_t> moved(serial.moved.begin(), serial.moved.end());
+  for (index_t v = 0; v < mesh.points.size(); ++v) {
+    if (serial.result_of[v] == no_index) continue;
+    CHECK(serial.vertex_of[serial.result_of[v]] == v);
+    CHECK((serial.mesh.points[serial.result_of[v]] != mesh.points[v]) == moved.contains(v));
+  }
+  const PotentialHexahedra candidates = find_potential_hexahedra(mesh);
+  CHECK(serial.n_candidates == candidates.size());
+  std::size_t n_hexahedra = 0;
+  for (std::size_t cell = 0; cell < serial.mesh.n_cells(); ++cell) {
+    CHECK((serial.candidate_of[cell] != no_index) == (serial.mesh.kinds[cell] == CellKind::hexahedron));
+    if (serial.mesh.kinds[cell] != CellKind::hexahedron) continue;
+    ++n_hexahedra;
+    std::array<index_t, 8> corners{};
+    for (std::size_t k = 0; k < 8; ++k) corners[k] = serial.vertex_of[serial.mesh.cells[cell][k]];
+    std::sort(corners.begin(), corners.end());
+    std::vector<index_t> tets(serial.cell_of[cell].begin(), serial.cell_of[cell].end());
+    bool found = false;
+    for (std::size_t i = 0; i < candidates.size() && !found; ++i) {
+      auto c = candidates.vertices[i];
+      if (std::ranges::find(c, corners[0]) == c.end()) continue;
+      std::sort(c.begin(), c.end());
+      found = c == corners && std::ranges::equal(candidates.tets[i], tets);
+    }
+    CHECK(found);
+  }
+  CHECK(n_hexahedra > 100);
+  CHECK(n_hexahedra <= serial.selection.members.size());
+
+  options.assembly.vertex_numbers = VertexNumbers::compact;
+  const Recombination compact = recombine(mesh, options);
+  std::vector<std::uint8_t> used(compact.mesh.points.size(), 0);
+  for (const index_t v : compact.mesh.cells.values) used[v] = 1;
+  CHECK(std::ranges::count(used, 0) == 0);
+  check_sound(compact.mesh, 1000);
+}

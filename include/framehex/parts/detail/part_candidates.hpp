@@ -25,6 +25,9 @@ PotentialHexahedra find_candidates_at(const TetPatch& patch, std::span<const ind
   options.adjacency = &patch.adjacency;
   options.input_check = InputCheck::skip;
   options.regions = patch.regions;
+  options.facet_patches = {};
+  options.feature_edges = {};
+  options.free_tets = {};
   const PotentialHexFinder<IndexedTetMesh> finder(patch.mesh, options);
   constexpr std::size_t block_size = 64, blocks_at_once = 256;
   PotentialHexahedra all;
