@@ -184,7 +184,7 @@ Selection select(const G& graph, const SelectOptions& options = {}, const E& exe
   const auto watched = deadline.watch(executor);
   detail::Draft draft = detail::Selector(options, watched, deadline).run(graph);
   // Where a budget ended the search, something may still fit.
-  detail::complete(graph, draft.members);
+  detail::complete(graph, draft.members, detail::by_number, [&] { return deadline.passed() && deadline.cancelled(); });
   draft.weight = detail::weight_in_units(graph, draft.members);
   Selection selection;
   selection.weight = detail::from_units(graph, draft.weight);
