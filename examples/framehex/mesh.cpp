@@ -171,6 +171,17 @@ std::size_t merge_narrow(const Options& options, framehex::SoupSurface& soup, do
   return merged.n_merged;
 }
 
+/// Where cells came out poor, merging more may be what helps.
+void suggest_merging(const Options& options, const framehex::SoupSurface& soup, double size) {
+  const double least = size / 100;
+  const std::size_t n = framehex::merge_narrow_features(soup.surface, least).n_merged;
+  if (n == 0) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "--least-feature %.3g would merge narrower ledges, steps and grooves: %zu vertices",
+                least, n);
+  remark(options, text);
+}
+
 /// @throws framehex::invalid_option  when more memory is likely to be taken than is allowed.
 void check_memory(const Options& options, const framehex::SoupSurface& soup, const framehex::FeatureOptions& features,
                   const framehex::GradedSize& size) {
@@ -252,6 +263,7 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                     {"tetrahedra", s.n_tets}};
   json.update(json_of_sizes);
   tell_exceptions(options, result, sizes.options().most, json);
+  if (!result.poor_cells.empty() && !options.least_feature) suggest_merging(options, soup, sizes.options().most);
   finish(json, options);
   json["options"]["size"] = sizes.options().most;
   json["options"]["least_feature"] = least_feature;
