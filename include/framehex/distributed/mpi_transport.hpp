@@ -185,7 +185,7 @@ private:
     std::string message;
     std::vector<std::size_t> indices;
     std::array<std::uint64_t, 3> head{};  // bytes, indices, entity
-    if (failed == rank()) {
+    if (mine && failed == rank()) {
       message = mine->what();
       indices = mine->indices();
       head = {message.size(), indices.size(), static_cast<std::uint64_t>(mine->entity())};
