@@ -31,9 +31,9 @@ inline std::string vertex_name(std::size_t v, std::int64_t id) {
 inline void check_own_numbers(const IndexedPart& part, int n_ranks) {
   for (std::size_t v = 0; v < part.vertex_ids.size(); ++v) {
     if (part.vertex_ids[v] < 0)
-      throw invalid_connectivity("vertex " + std::to_string(v) + " has the global number " +
-                                     std::to_string(part.vertex_ids[v]),
-                                 Entity::vertex, {v});
+      throw invalid_connectivity(
+          "vertex " + std::to_string(v) + " has the global number " + std::to_string(part.vertex_ids[v]),
+          Entity::vertex, {v});
     if (part.owners[v] < 0 || part.owners[v] >= n_ranks)
       throw invalid_connectivity(vertex_name(v, part.vertex_ids[v]) + " has the owner " +
                                      std::to_string(part.owners[v]) + " of " + std::to_string(n_ranks) + " ranks",
@@ -41,9 +41,9 @@ inline void check_own_numbers(const IndexedPart& part, int n_ranks) {
   }
   for (std::size_t c = 0; c < part.cell_ids.size(); ++c)
     if (part.cell_ids[c] < 0)
-      throw invalid_connectivity("cell " + std::to_string(c) + " has the global number " +
-                                     std::to_string(part.cell_ids[c]),
-                                 Entity::cell, {c});
+      throw invalid_connectivity(
+          "cell " + std::to_string(c) + " has the global number " + std::to_string(part.cell_ids[c]), Entity::cell,
+          {c});
 }
 
 /// Checks numbers against those of other ranks, at a rank that follows from the number.
@@ -77,8 +77,9 @@ public:
       entries.push_back({part_.vertex_ids[v], v, transport_.rank(), part_.owners[v], {p.x(), p.y(), p.z()}});
     }
     report(entries, [](std::span<const Entry> same, auto&& fault) {
-      for (std::size_t i = 1; i < same.size(); ++i) {
+      for (std::size_t i = 1; i < same.size(); ++i)  // by rank
         if (same[i].rank == same[i - 1].rank) return fault(same[i], 1, same[i].rank);
+      for (std::size_t i = 1; i < same.size(); ++i) {
         if (same[i].owner != same[0].owner) return fault(same[i], 2, same[0].rank);
         if (same[i].point != same[0].point) return fault(same[i], 3, same[0].rank);
       }
@@ -103,8 +104,7 @@ private:
     // Consecutive numbers lie together: a rank has few others to speak to when the numbers follow the parts.
     const std::int64_t share = static_cast<std::int64_t>(-last[0]) / transport_.n_ranks() + 1;
     std::vector<std::vector<Entry>> by_rank(n_ranks);
-    for (const Entry& e : entries)
-      by_rank[std::min(static_cast<std::size_t>(e.id / share), n_ranks - 1)].push_back(e);
+    for (const Entry& e : entries) by_rank[std::min(static_cast<std::size_t>(e.id / share), n_ranks - 1)].push_back(e);
     std::vector<Entry> here;
     for (const Parcel& p : transport_.exchange(parcels_of(by_rank))) {
       const auto arrived = Unpacker(p.bytes).take<Entry>();

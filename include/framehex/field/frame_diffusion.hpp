@@ -199,7 +199,8 @@ DiffusionReport diffuse_frames(const TetAdjacency& adjacency, std::span<const Ve
   const std::size_t n = adjacency.n_vertices();
   if (points.size() != n || frames.size() != n || constraints.size() != n || axes.size() != n)
     throw invalid_option("frames and constraints are not those of one mesh");
-  detail::FrameDiffusion<E, Holding> diffusion(adjacency, points, frames, constraints, axes, options, executor, holding);
+  detail::FrameDiffusion<E, Holding> diffusion(adjacency, points, frames, constraints, axes, options, executor,
+                                               holding);
   const DiffusionReport report = diffusion.run();
   holding.refresh(frames);
   return report;

@@ -120,8 +120,7 @@ private:
     std::vector<std::vector<Sent>> by_rank(n_ranks_);
     for (const std::size_t v : own) {
       const auto after = std::upper_bound(splitters.begin(), splitters.end(), places[v]);
-      by_rank[static_cast<std::size_t>(after - splitters.begin())].push_back(
-          {places[v], flat(part_.mesh.points[v])});
+      by_rank[static_cast<std::size_t>(after - splitters.begin())].push_back({places[v], flat(part_.mesh.points[v])});
     }
     std::vector<Sent> stretch;
     std::vector<Parcel> arrived = transport_.exchange(parcels_of(by_rank));
@@ -234,7 +233,8 @@ private:
       index_t region;
     };
     std::vector<Cell> cells;
-    std::vector<PlacedVertex> vertices = std::move(vertices_);  // of one's own; those without a cell come from nowhere else
+    std::vector<PlacedVertex> vertices =
+        std::move(vertices_);  // of one's own; those without a cell come from nowhere else
     for (const Parcel& p : arrived) {
       Unpacker in(p.bytes);
       const auto sent_vertices = in.take<PlacedVertex>();

@@ -101,10 +101,10 @@ private:
   const CurvePart& part_;
   std::int64_t first_row_ = 0;
   std::size_t n_own_ = 0;
-  std::vector<index_t> order_;                ///< row here -> vertex; one's own first
-  std::vector<index_t> row_here_;             ///< the other way round
-  std::vector<std::vector<index_t>> halo_;    ///< per rank: its vertices that are seen here
-  std::vector<std::vector<index_t>> shown_;   ///< per rank: vertices of one's own that are seen there, in its order
+  std::vector<index_t> order_;               ///< row here -> vertex; one's own first
+  std::vector<index_t> row_here_;            ///< the other way round
+  std::vector<std::vector<index_t>> halo_;   ///< per rank: its vertices that are seen here
+  std::vector<std::vector<index_t>> shown_;  ///< per rank: vertices of one's own that are seen there, in its order
   mutable std::vector<std::uint8_t> is_visited_;
   mutable std::vector<index_t> arrived_;
 };

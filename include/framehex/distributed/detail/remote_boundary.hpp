@@ -88,17 +88,17 @@ inline BoundarySurface join_triangles(const std::vector<SentTriangle>& triangles
 
 /// Features, crosses and frames of the whole surface, on the first rank.
 ///
-/// @param observer  of this rank: others' cannot be heard here.
+/// @param options  their observer is this rank's: others' cannot be heard here.
 /// @throws invalid_field, invalid_option  as `compute_frame_field`.
 inline WholeBoundary make_boundary(const RowExchange& exchange, const TetAdjacency& adjacency,
-                                   const MeshFieldOptions& options, const Observer& observer) {
+                                   const MeshFieldOptions& options) {
   WholeBoundary whole;
   const std::vector<SentTriangle> triangles = send_triangles(exchange, adjacency);
   if (exchange.transport().rank() == 0) {
     const BoundarySurface boundary = join_triangles(triangles, whole.vertex_ids);
     if (!whole.vertex_ids.empty() && whole.vertex_ids.back() >= no_index && !options.features.given_edges.empty())
       throw invalid_option("feature edges can be given where vertices are numbered in 32 bits only");
-    whole.cancelled = !framehex::detail::frame_boundary(boundary, options, observer, whole.surface, whole.frames);
+    whole.cancelled = !framehex::detail::frame_boundary(boundary, options, whole.surface, whole.frames);
   }
   std::array<double, 1> going{whole.cancelled ? 0.0 : 1.0};
   exchange.transport().least(going);

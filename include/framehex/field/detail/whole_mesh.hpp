@@ -57,7 +57,9 @@ inline std::vector<index_t> spatial_order(std::span<const Vector3> points) {
 }
 
 /// A power of two by which lengths are to be multiplied so that the extent of a mesh comes near 1: it changes no digit.
-inline double own_unit(double extent) { return extent > 0 ? std::ldexp(1.0, -std::ilogb(extent)) : 1; }
+inline double own_unit(double extent) {
+  return extent > 0 ? std::ldexp(1.0, -std::ilogb(extent)) : 1;
+}
 
 /// Who holds the vertices of a field: all of them are here. The stages of the field ask a holding for all that looks
 /// beyond the vertices that are here; `distributed/` has one for the parts of a mesh.
@@ -70,7 +72,7 @@ struct WholeMesh {
 
   /// Row -> vertex; the halo's after one's own.
   std::vector<index_t> rows(std::span<const Vector3> points) const { return spatial_order(points); }
-  std::size_t n_own(std::size_t n_here) const { return n_here; }  ///< of so many vertices here
+  std::size_t n_own(std::size_t n_here) const { return n_here; }   ///< of so many vertices here
   std::size_t n_rows(std::size_t n_here) const { return n_here; }  ///< of the whole mesh
   std::size_t first_row() const { return 0; }                      ///< of one's own, among all
   std::size_t row_of_all(std::size_t row) const { return row; }    ///< number of a row here among all
