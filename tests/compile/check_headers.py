@@ -11,7 +11,7 @@ import re
 import sys
 
 LAYERS = ["", "geometry", "mesh", "surface", "tetrahedralization", "field", "sizing", "lattice", "insertion", "recombination",
-          "selection", "verify", "assembly", "quads", "pipeline", "io", "adapters", "distributed"]
+          "selection", "verify", "assembly", "parts", "quads", "pipeline", "io", "adapters", "distributed"]
 CORE = LAYERS[:LAYERS.index("io")]
 # Offered for comparison with the paper, at a cost that other users need not pay: included by name only.
 OPT_IN = {"geometry/spatial_index.hpp", "insertion/rtree_filter.hpp", "recombination/pattern_search.hpp"}
