@@ -13,7 +13,7 @@ target_link_libraries(distributed_test_main PRIVATE framehex::distributed Catch2
 # Of more ranks than there are processors; mpirun asks to be told that root may run it.
 set(mpirun ${CMAKE_COMMAND} -E env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${MPIEXEC_EXECUTABLE}
            --oversubscribe)
-foreach(name IN ITEMS transport validation frame_field files)
+foreach(name IN ITEMS transport validation frame_field files recombine)
   add_executable(test_distributed_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
   target_include_directories(test_distributed_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(test_distributed_${name} PRIVATE framehex_development framehex::distributed distributed_test_main

@@ -241,6 +241,9 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
+    std::array<double, 1> weight{-result_.weight};
+    transport_.least(std::span<double>(weight));
+    result_.weight = -weight[0];
     return std::move(result_);
   }
 
