@@ -45,6 +45,7 @@
 #include "framehex/surface/feature_graph.hpp"
 #include "framehex/surface/input_wedges.hpp"
 #include "framehex/surface/limited_size.hpp"
+#include "framehex/surface/narrow_features.hpp"
 #include "framehex/surface/outline_triangulation.hpp"
 #include "framehex/surface/planar_outline.hpp"
 #include "framehex/surface/refinement.hpp"
