@@ -263,7 +263,7 @@ class TestBadSurfaces(Case):
                 result = self.mesh("ledge.stl", "--size", "0.5", "--least-feature", least)
                 self.assertEqual(result.returncode, 0, result)
                 self.assertEqual("were merged" in result.stderr, n_merged > 0, result.stderr)
-                self.assertEqual(json.loads(self.path("out.json").read_text())["merged_vertices"], n_merged)
+                self.assertEqual(json.loads((self.folder / "out.json").read_text())["merged_vertices"], n_merged)
                 volume = audit(self.path("out.vtu"))["volume"]
                 self.assertAlmostEqual(volume, 1.99, delta=0.0101 if n_merged else 1e-9)
         self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 16})
