@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/assembly/detail/sound_assembly.hpp"
 #include "framehex/mesh/labels.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/option_ranges.hpp"
-#include "framehex/pipeline/detail/sound_assembly.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
+#include "framehex/recombination/detail/chosen.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/candidate_weights.hpp"
 #include "framehex/selection/implicit_graph.hpp"
@@ -55,23 +56,6 @@ struct Recombination {
 };
 
 namespace detail {
-
-/// Some candidates on their own, in the order given.
-inline PotentialHexahedra chosen(const PotentialHexahedra& candidates, std::span<const index_t> members) {
-  PotentialHexahedra result;
-  for (const index_t v : members) {
-    result.vertices.push_back(candidates.vertices[v]);
-    result.quality.push_back(candidates.quality[v]);
-    result.volume.push_back(candidates.volume[v]);
-    for (const auto& [from, to] :
-         {std::pair(&candidates.tets, &result.tets), std::pair(&candidates.face_slivers, &result.face_slivers)}) {
-      const auto row = (*from)[v];
-      to->values.insert(to->values.end(), row.begin(), row.end());
-      to->end_row();
-    }
-  }
-  return result;
-}
 
 inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const LabelledEdge> edges) {
   std::vector<std::array<index_t, 2>> pairs;

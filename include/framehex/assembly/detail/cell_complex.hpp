@@ -84,6 +84,10 @@ public:
   std::unordered_set<FaceKey, FaceKeyHash> protected_faces;  ///< inner faces that must stay
   std::unordered_set<FaceKey, FaceKeyHash> protected_edges;  ///< edges that must stay, as (v, w, none, none)
 
+  // Where only some of the cells are to be worked on; by vertex, those after the last are none of them.
+  std::vector<std::uint8_t> settled;   ///< cells that have no other vertices are not improved for their own sake
+  std::vector<std::uint8_t> deferred;  ///< open quadrilaterals at them stay open
+
   std::size_t n_vertices() const { return points.size(); }
 
   /// Eight corner slots a cell are counted in 32 bits, and numbers of cells that are gone are not used again.
@@ -167,6 +171,15 @@ public:
   template <class Visit>
   void for_each_cell_at(index_t vertex, Visit&& visit) const {
     for (index_t slot = head_[vertex]; slot != no_index; slot = next_[slot]) visit(slot / 8);
+  }
+
+  bool is_settled(index_t cell) const {
+    return !settled.empty() &&
+           std::ranges::all_of(corners(cell), [this](index_t v) { return v < settled.size() && settled[v] != 0; });
+  }
+  bool is_deferred(const OpenQuad& quad) const {
+    return !deferred.empty() &&
+           std::ranges::any_of(quad.vertices, [this](index_t v) { return v < deferred.size() && deferred[v] != 0; });
   }
 
   bool unused(index_t vertex) const { return head_[vertex] == no_index; }

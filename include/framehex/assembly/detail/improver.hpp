@@ -121,12 +121,12 @@ public:
     return n_split > 0;
   }
 
-  /// Finds the cells clearly below their target, worst first. @return the energy of all.
+  /// Finds the cells clearly below their target, worst first. @return the energy of all that are to be worked on.
   double collect() {
     bad_.clear();
     double total = 0;
     for (index_t cell = 0; cell < complex_.cells.size(); ++cell) {
-      if (!complex_.cells[cell].alive) continue;
+      if (!complex_.cells[cell].alive || complex_.is_settled(cell)) continue;
       double worst = std::numeric_limits<double>::infinity();
       const double energy = energy_.of(complex_, cell, worst);
       if (worst < QualityEnergy::good_enough) bad_.push_back({worst, cell});

@@ -59,7 +59,7 @@ private:
   void for_each_open(Visit&& visit) {
     const double first = pulse_.fraction(), share = 0.05;
     for (index_t quad = 0; quad < complex_.open_quads.size(); ++quad) {
-      if (!complex_.open_quads[quad].open) continue;
+      if (!complex_.open_quads[quad].open || complex_.is_deferred(complex_.open_quads[quad])) continue;
       if (!pulse_.beat(first + share * quad / static_cast<double>(complex_.open_quads.size()))) return;
       visit(quad);
     }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/parts/detail/border_candidates.hpp"
+
+namespace framehex::detail {
+
+/// What is decided of the candidates of a pool; the copies follow what their ranks say.
+template <Transport Tr>
+class CandidateStates {
+public:
+  enum State : std::uint8_t { undecided, taken, refused };
+
+  CandidateStates(const Tr& transport, const CandidatePool& pool)
+      : transport_(transport), pool_(pool), state_(pool.size(), undecided) {}
+
+  State operator[](index_t v) const { return state_[v]; }
+
+  void set(index_t v, State state) {
+    if (state_[v] == state) return;
+    state_[v] = state;
+    if (v < pool_.n_own) news_.push_back(v);
+  }
+
+  /// Tells those who have copies what has changed of own candidates, and hears of others. Collective.
+  /// @return the copies of which something was heard.
+  std::vector<index_t> exchange() {
+    std::vector<index_t> heard;
+    std::sort(news_.begin(), news_.end());
+    news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
+    if (transport_.n_ranks() == 1) news_.clear();
+    if (transport_.n_ranks() == 1) return heard;
+    Rows<News> rows = make_rows<News>(transport_);
+    auto holder = pool_.holders.begin();
+    for (const index_t v : news_) {
+      while (holder != pool_.holders.end() && holder->index < v) ++holder;
+      for (auto h = holder; h != pool_.holders.end() && h->index == v; ++h)
+        rows[static_cast<std::size_t>(h->rank)].push_back({v, state_[v]});
+    }
+    news_.clear();
+    for (const Received<News>& received : send_typed(transport_, std::move(rows)))
+      for (const News& news : received.items) {
+        const index_t v = copy_of(received.rank, news.index);
+        state_[v] = news.state;
+        heard.push_back(v);
+      }
+    return heard;
+  }
+
+private:
+  struct News {
+    index_t index;
+    State state;
+  };
+
+  index_t copy_of(int rank, index_t index) const {
+    const std::array<index_t, 2> home{static_cast<index_t>(rank), index};
+    const auto at = std::lower_bound(pool_.home.begin(), pool_.home.end(), home);
+    return static_cast<index_t>(pool_.n_own + static_cast<std::size_t>(at - pool_.home.begin()));
+  }
+
+  const Tr& transport_;
+  const CandidatePool& pool_;
+  std::vector<State> state_;
+  std::vector<index_t> news_;
+};
+
+}  // namespace framehex::detail

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/parts/detail/tet_patch.hpp"
+#include "framehex/recombination/potential_hex_finder.hpp"
+
+namespace framehex::detail {
+
+/// Layers round a rank's tetrahedra that hold all tetrahedra at the corners of its candidates: those begin at a vertex of
+/// one of them, and lead three edges away.
+inline constexpr int n_halo_layers = 4;
+
+/// The vertices from which a rank searches: those whose first leaf it holds.
+inline std::vector<index_t> own_vertices(const TetPatch& patch, const std::array<index_t, 2>& leaves) {
+  std::vector<index_t> own;
+  for (index_t v = 0; v < patch.leaf_of_vertex.size(); ++v)
+    if (patch.leaf_of_vertex[v] >= leaves[0] && patch.leaf_of_vertex[v] < leaves[1]) own.push_back(v);
+  return own;
+}
+
+/// The candidates whose first corner, by coordinates, is one of some vertices; in the order of these.
+template <Executor E>
+PotentialHexahedra find_candidates_at(const TetPatch& patch, std::span<const index_t> vertices, FinderOptions options,
+                                      const E& executor) {
+  options.adjacency = &patch.adjacency;
+  options.input_check = InputCheck::skip;
+  options.regions = patch.regions;
+  const PotentialHexFinder<IndexedTetMesh> finder(patch.mesh, options);
+  constexpr std::size_t block_size = 64, blocks_at_once = 4096;
+  PotentialHexahedra all;
+  const std::size_t n_blocks = (vertices.size() + block_size - 1) / block_size;
+  for (std::size_t first = 0; first < n_blocks; first += blocks_at_once) {
+    std::vector<PotentialHexahedra> found(std::min(blocks_at_once, n_blocks - first));
+    executor(found.size(), [&](std::size_t block, std::size_t) {
+      const std::size_t begin = (first + block) * block_size;
+      for (const index_t v : vertices.subspan(begin, std::min(block_size, vertices.size() - begin)))
+        append(found[block], finder.find_at(v));
+    });
+    for (const PotentialHexahedra& some : found) append(all, some);
+  }
+  return all;
+}
+
+}  // namespace framehex::detail
