@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSL-1.0
-# Targets `framehex::<adapter>`: the library, and the foreign one that include/framehex/adapters/<adapter>.hpp needs.
+# Targets `framehex::<adapter>`: the library, and the foreign one that include/framehex/adapters/<adapter>.hpp needs;
+# `framehex::distributed`: MPI, for include/framehex/distributed.
 # Installed, they are the components of find_package(framehex COMPONENTS ...).
 
 # Of a library that brings nothing for CMake.
@@ -57,6 +58,10 @@ function(framehex_find_adapter adapter)
   elseif(adapter STREQUAL "geogram")
     find_package(Geogram QUIET)
     set(libraries Geogram::geogram)
+  elseif(adapter STREQUAL "distributed")
+    set(MPI_CXX_SKIP_MPICXX TRUE) # the bindings for C++ that MPI 3 has no more
+    find_package(MPI 3 QUIET COMPONENTS CXX)
+    set(libraries MPI::MPI_CXX)
   elseif(adapter STREQUAL "tbb")
     find_package(TBB QUIET CONFIG)
     set(libraries TBB::tbb)

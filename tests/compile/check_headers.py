@@ -66,7 +66,8 @@ def check(header, text, errors):
     for included in re.findall(r"^\s*#\s*include\s+<([^>]+)>", text, re.M):
         standard = "/" not in included and "." not in included
         posix = included in ("fcntl.h", "unistd.h") and mine == "io"
-        if not (standard or posix or included.startswith(("Eigen/", "boost/"))):
+        mpi = included == "mpi.h" and mine == "distributed"
+        if not (standard or posix or mpi or included.startswith(("Eigen/", "boost/"))):
             errors.append(f"{header}: the core includes <{included}>")
 
 

@@ -2,10 +2,11 @@
 # What must compile, and what must not.
 
 # Every header compiles alone, with our warnings: the library's, and the adapters' with the library each needs. Those
-# of heavy libraries are compiled by tests/heavy_hosts, those of libraries that no Debian package has by tests/hosts.
+# of heavy libraries are compiled by tests/heavy_hosts, those over MPI by tests/distributed, those of libraries that no Debian package has by tests/hosts.
 add_library(framehex_headers_alone INTERFACE)
 set(headers_alone ${framehex_headers})
-list(FILTER headers_alone EXCLUDE REGEX "adapters/(cgal|gmsh|netgen|vtk|openvolumemesh|geogram)\\.hpp$")
+list(FILTER headers_alone EXCLUDE REGEX
+     "(adapters/(cgal|gmsh|netgen|vtk|openvolumemesh|geogram|ptscotch)\\.hpp|distributed/.*)$")
 target_sources(framehex_headers_alone INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include
                                                                   FILES ${headers_alone})
 target_compile_options(framehex_headers_alone INTERFACE -O0) # nothing of them is run

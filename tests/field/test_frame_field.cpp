@@ -283,7 +283,12 @@ TEST_CASE("stages of a sweep keep neighbours apart and the order between them") 
   std::iota(order.begin(), order.end(), 0);
   std::mt19937_64 engine(5);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[engine() % i]);
-  const Csr<index_t> stages = detail::stages_of(adjacency.vertices_of_vertex, order);
+  detail::VisitSchedule schedule(adjacency.vertices_of_vertex, order, [](index_t) { return true; });
+  Csr<index_t> stages;
+  while (schedule.next_stage()) {
+    stages.values.insert(stages.values.end(), schedule.stage().begin(), schedule.stage().end());
+    stages.end_row();
+  }
   std::vector<std::size_t> stage(order.size()), place(order.size());
   for (std::size_t s = 0; s < stages.size(); ++s)
     for (const index_t v : stages[s]) stage[v] = s;

@@ -11,6 +11,13 @@
 
 namespace framehex {
 
+/// What the piece of a parallel file says beyond its mesh, by point and by cell of the volume; empty: nothing.
+struct VtuPieceArrays {
+  std::vector<std::int64_t> point_numbers;  ///< the array GlobalPointIds
+  std::vector<std::int64_t> cell_numbers;   ///< the array GlobalCellIds
+  std::vector<std::int64_t> ghosts;         ///< the array vtkGhostType: not 0 where another piece has the cell
+};
+
 namespace detail {
 
 /// Decodes base64 up to the first character that is none; padding may stand inside, where two encoded runs meet.
@@ -64,8 +71,9 @@ public:
   VtuReader(std::string name, std::string bytes)
       : name_(std::move(name)), bytes_(std::move(bytes)), builder_(name_, 0) {}
 
-  /// @param lengths  receives values by point when not null.
-  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes, PointLengths* lengths = nullptr) {
+  /// @param lengths  receives values by point when not null. @param arrays  receives what it has when not null.
+  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes, PointLengths* lengths = nullptr,
+                 VtuPieceArrays* arrays = nullptr) {
     parse();
     const pugi::xml_node root = document_.child("VTKFile");
     if (!root) fail("not a VTK XML file");
@@ -84,6 +92,7 @@ public:
     choose_labels(grid.child("Piece"), options, notes);
     read_names(grid.child("FieldData"));
     lengths_ = lengths;
+    arrays_ = arrays;
     if (lengths_)
       lengths_->array =
           choose_length_array(name_, array_names(grid.child("Piece").child("PointData")), lengths_->wanted);
@@ -253,6 +262,26 @@ private:
     return labels;
   }
 
+  /// The array of a name, where there is one of as many rows.
+  void read_numbers(pugi::xml_node data, const char* wanted, std::size_t n, std::vector<std::int64_t>& numbers) const {
+    const pugi::xml_node array = data.find_child_by_attribute("DataArray", "Name", wanted);
+    if (!array) return;
+    const auto read = values<std::int64_t>(array);
+    if (read.size() != n) fail(std::string("array \"") + wanted + "\" holds another number of rows than told");
+    numbers.insert(numbers.end(), read.begin(), read.end());
+  }
+
+  void read_arrays(pugi::xml_node piece, std::size_t n_points, const std::vector<std::int64_t>& types) {
+    read_numbers(piece.child("PointData"), "GlobalPointIds", n_points, arrays_->point_numbers);
+    for (const auto& [name, numbers] :
+         {std::pair("GlobalCellIds", &arrays_->cell_numbers), std::pair("vtkGhostType", &arrays_->ghosts)}) {
+      std::vector<std::int64_t> all;
+      read_numbers(piece.child("CellData"), name, types.size(), all);
+      for (std::size_t c = 0; c < all.size(); ++c)
+        if (types[c] >= vtk::tetrahedron && types[c] <= vtk::pyramid) numbers->push_back(all[c]);
+    }
+  }
+
   void read_lengths(pugi::xml_node piece, std::size_t n_points) {
     const pugi::xml_node array =
         piece.child("PointData").find_child_by_attribute("DataArray", "Name", lengths_->array.c_str());
@@ -283,6 +312,7 @@ private:
       if (v < 0 || v >= static_cast<std::int64_t>(n_points)) v = std::int64_t{no_index};  // reported with its cell
       v += v < std::int64_t{no_index} ? first : 0;
     }
+    if (arrays_) read_arrays(piece, n_points, types);
     const std::vector<std::int64_t> labels = read_labels(piece, n_cells);
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < n_cells; ++c) {
@@ -305,6 +335,7 @@ private:
   std::size_t header_bytes_ = 4, n_read_ = 0;
   MeshBuilder builder_;
   PointLengths* lengths_ = nullptr;
+  VtuPieceArrays* arrays_ = nullptr;
 };
 
 }  // namespace detail
@@ -323,6 +354,15 @@ inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptio
                           MeshReadNotes* notes = nullptr) {
   MeshReadNotes ignored;
   return detail::VtuReader(path.string(), read_file(path)).read(options, notes ? *notes : ignored);
+}
+
+/// Reads a piece of a parallel file, which may hold no cell.
+///
+/// @throws as `read_vtu`.
+inline MixedMesh read_vtu_piece(const std::filesystem::path& path, VtuPieceArrays& arrays) {
+  MeshReadNotes ignored;
+  return detail::VtuReader(path.string(), read_file(path))
+      .read({.volume = Volume::optional}, ignored, nullptr, &arrays);
 }
 
 /// Reads a mesh of any cells, or of faces alone, and the lengths that an array by point of it holds.

@@ -62,16 +62,16 @@ Options observed_by(Options options, const Observer& observer) {
   return options;
 }
 
-/// Constrains a new field and carries out a method.
-template <class Mesh, class E>
-FieldReport fill_field(FrameField<Mesh>& field, const Surface& surface, std::span<const Quaternion> triangle_frames,
-                       const FieldOptions& options, const E& executor) {
-  const BoundaryFrames boundary = make_boundary_frames(surface, triangle_frames, options.boundary);
-  field.constrain(boundary, options.vertex_of);
-  if (options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept) field.fix_boundary();
-  // A harmonic start does not look at the frames inside.
-  if (options.method != FieldMethod::best || options.diffusion.start == DiffusionStart::current)
-    field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
+/// Whether a method looks at the frames inside before it has made some: a harmonic start does not.
+inline bool needs_start(const FieldOptions& options) {
+  return options.method != FieldMethod::best || options.diffusion.start == DiffusionStart::current;
+}
+
+/// Carries out a method on a field that is constrained, and started where it must be.
+///
+/// @tparam Field  `FrameField`, or what offers `smooth`, `diffuse`, `remove_small_loops`, `adjacency`, `points` and `align`.
+template <class Field, class E>
+FieldReport run_method(Field& field, const FieldOptions& options, const E& executor) {
   FieldReport report;
   if (options.method == FieldMethod::smoothed)
     report.smoothing = field.smooth(observed_by(options.smoothing, options.observer), executor);
@@ -92,6 +92,21 @@ FieldReport fill_field(FrameField<Mesh>& field, const Surface& surface, std::spa
     report.status = Status::cancelled;
   field.align();
   return report;
+}
+
+/// Whether frames on the surface stay those of its cross field.
+inline bool keeps_crosses(const FieldOptions& options) {
+  return options.method != FieldMethod::best || options.surface_cross == SurfaceCross::kept;
+}
+
+/// Constrains a new field, starts it and carries out a method.
+template <class Mesh, class E>
+FieldReport fill_field(FrameField<Mesh>& field, const Surface& surface, const BoundaryFrames& boundary,
+                       const FieldOptions& options, const E& executor) {
+  field.constrain(boundary, options.vertex_of);
+  if (keeps_crosses(options)) field.fix_boundary();
+  if (needs_start(options)) field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
+  return run_method(field, options, executor);
 }
 
 }  // namespace detail
@@ -116,7 +131,8 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, TetAdjacency adjacency, c
                                      const E& executor = {}, FieldReport* report = nullptr) {
   check_options(options);
   FrameField<Mesh> field(mesh, std::move(adjacency));
-  FieldReport course = detail::fill_field(field, surface, triangle_frames, options, executor);
+  const BoundaryFrames boundary = make_boundary_frames(surface, triangle_frames, options.boundary);
+  FieldReport course = detail::fill_field(field, surface, boundary, options, executor);
   if (report) *report = std::move(course);
   return field;
 }
@@ -193,6 +209,26 @@ inline invalid_field in_mesh_numbers(const invalid_field& e, const BoundarySurfa
                        is_triangle ? Entity::cell : Entity::vertex, indices);
 }
 
+/// Features, crosses and frames of a mesh's boundary.
+///
+/// @return false when cancelled.
+/// @throws invalid_field, invalid_option  in the numbers of the mesh.
+inline bool frame_boundary(const BoundarySurface& boundary, const MeshFieldOptions& options, Surface& surface,
+                           BoundaryFrames& frames) {
+  FeatureOptions features = options.features;
+  features.given_edges = edges_on_boundary(options.features.given_edges, boundary);
+  try {
+    surface = Surface(boundary.surface, features);
+    const SurfaceCrossField crosses =
+        compute_cross_field(surface, observed_by(options.cross_field, options.field.observer));
+    if (crosses.status == Status::cancelled) return false;
+    frames = make_boundary_frames(surface, crosses.frames, options.field.boundary);
+    return true;
+  } catch (const invalid_field& e) {
+    throw in_mesh_numbers(e, boundary);
+  }
+}
+
 }  // namespace detail
 
 /// The field of a host's tetrahedral mesh: extracts the boundary, finds features, computes the cross field and the
@@ -212,22 +248,15 @@ FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& o
   const BoundarySurface boundary = extract_boundary(mesh, result.adjacency(), options.regions);
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
-  FeatureOptions features = options.features;
-  features.given_edges = detail::edges_on_boundary(options.features.given_edges, boundary);
-  try {
-    const Surface surface(boundary.surface, features);
-    const SurfaceCrossField crosses =
-        compute_cross_field(surface, detail::observed_by(options.cross_field, field.observer));
-    if (crosses.status == Status::cancelled) {
-      if (report) report->status = Status::cancelled;
-      return result;
-    }
-    FieldReport course = detail::fill_field(result, surface, crosses.frames, field, executor);
-    if (report) *report = std::move(course);
-    return result;
-  } catch (const invalid_field& e) {
-    throw detail::in_mesh_numbers(e, boundary);
-  }
+  Surface surface;
+  BoundaryFrames frames;
+  FieldReport course;
+  if (detail::frame_boundary(boundary, options, surface, frames))
+    course = detail::fill_field(result, surface, frames, field, executor);
+  else
+    course.status = Status::cancelled;
+  if (report) *report = std::move(course);
+  return result;
 }
 
 /// Crosses of a surface as a field in the volume has them: what to sample the surface with, so that the points on it

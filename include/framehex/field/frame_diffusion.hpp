@@ -42,24 +42,24 @@ struct DiffusionReport {
 namespace detail {
 
 /// The field as nine coefficients per vertex, under its constraints; numbered by the rows of the Laplacian.
-template <class E>
+template <class E, class Holding>
 class FrameDiffusion {
   using Coefficients = Eigen::Matrix<float, 9, 1>;
 
 public:
   FrameDiffusion(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<Quaternion> frames,
                  std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
-                 const DiffusionOptions& options, const E& executor)
-      : system_(adjacency, points),
+                 const DiffusionOptions& options, const E& executor, const Holding& holding)
+      : system_(adjacency, points, holding),
         aggregates_(system_, [&](std::size_t row) { return freedom(constraints[system_.order[row]]); }),
         frames_(frames),
         constraints_(constraints),
         axes_(axes),
         options_(options),
         executor_(executor),
-        values_(frames.size()),
-        source_(frames.size()),
-        slot_(frames.size(), no_index) {
+        values_(frames.size(), Coefficients::Zero()),
+        source_(system_.n_own()),
+        slot_(system_.n_own(), no_index) {
     for (std::size_t row = 0; row < slot_.size(); ++row) {
       const index_t v = system_.order[row];
       if (constraints[v] != FrameConstraint::axis) continue;
@@ -73,7 +73,7 @@ public:
     report.status = Status::cancelled;
     eigenvalue_ = first_eigenvalue(system_, constraints_, executor_);
     encode();
-    values_ = source_;
+    std::copy(source_.begin(), source_.end(), values_.begin());
     if (options_.start == DiffusionStart::harmonic) {
       if (!solve(0, 0, 0.4)) return report;
       report.last_change = project(DiffusionStart::harmonic);
@@ -102,15 +102,15 @@ private:
 
   /// The frames as the source of the next solve, which starts from the values of the last: they are nearer.
   void encode() {
-    for_blocks(executor_, values_.size(), block_size, [&](std::size_t first, std::size_t last) {
+    for_blocks(executor_, source_.size(), block_size, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row)
         source_[row] = frame_quartic(frames_[system_.order[row]]).template cast<float>();
     });
   }
 
   bool solve(double mass_factor, double progress_from, double progress_to) {
-    double squares = 0;
-    for (std::size_t row = 0; row < source_.size(); ++row) squares += system_.masses[row] * source_[row].squaredNorm();
+    const double squares = sum_of_rows(
+        system_, executor_, [&](std::size_t row) { return system_.masses[row] * source_[row].squaredNorm(); });
     const auto load = [&](std::size_t row) -> Coefficients {
       if (mass_factor == 0) return Coefficients::Zero();
       return static_cast<float>(mass_factor * system_.masses[row]) * source_[row];
@@ -139,8 +139,8 @@ private:
 
   /// Nearest frames of the coefficients. @return the root mean square of the change, rad.
   double project(DiffusionStart start) {
-    std::vector<double> changes(values_.size(), 0.0);
-    for_blocks(executor_, values_.size(), block_size, [&](std::size_t first, std::size_t last) {
+    std::vector<double> changes(source_.size(), 0.0);
+    for_blocks(executor_, source_.size(), block_size, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row) {
         const index_t v = system_.order[row];
         if (constraints_[v] == FrameConstraint::fixed) continue;
@@ -153,15 +153,13 @@ private:
         changes[row] = CubeRotationGroup<>::angle(before, frames_[v]);
       }
     });
-    double sum = 0, mass = 0;
-    for (std::size_t row = 0; row < changes.size(); ++row) {
-      sum += system_.masses[row] * changes[row] * changes[row];
-      mass += system_.masses[row];
-    }
+    const auto squared = [&](std::size_t row) { return system_.masses[row] * changes[row] * changes[row]; };
+    const double sum = sum_of_rows(system_, executor_, squared);
+    const double mass = sum_of_rows(system_, executor_, [&](std::size_t row) { return system_.masses[row]; });
     return mass > 0 ? std::sqrt(sum / mass) : 0;
   }
 
-  LaplaceSystem system_;
+  LaplaceSystem<Holding> system_;
   RowAggregates aggregates_;
   std::span<Quaternion> frames_;
   std::span<const FrameConstraint> constraints_;
@@ -190,16 +188,22 @@ private:
 ///                   Trans. Graph. 39 (2020), section 5 (modified Merriman-Bence-Osher), for the steps. Departs:
 ///                   conjugate gradients on the constrained subspace instead of a factorisation, which at a million
 ///                   tetrahedra takes several gigabytes.
-template <Executor E = SerialExecutor>
+///
+/// @tparam Holding     of the vertices; those of one's own are changed, and the halo's brought up to date.
+template <Executor E = SerialExecutor, class Holding = detail::WholeMesh>
 DiffusionReport diffuse_frames(const TetAdjacency& adjacency, std::span<const Vector3> points,
                                std::span<Quaternion> frames, std::span<const FrameConstraint> constraints,
                                std::span<const Vector3> axes, const DiffusionOptions& options = {},
-                               const E& executor = {}) {
+                               const E& executor = {}, const Holding& holding = {}) {
   check_options(options);
   const std::size_t n = adjacency.n_vertices();
   if (points.size() != n || frames.size() != n || constraints.size() != n || axes.size() != n)
     throw invalid_option("frames and constraints are not those of one mesh");
-  return detail::FrameDiffusion<E>(adjacency, points, frames, constraints, axes, options, executor).run();
+  detail::FrameDiffusion<E, Holding> diffusion(adjacency, points, frames, constraints, axes, options, executor,
+                                               holding);
+  const DiffusionReport report = diffusion.run();
+  holding.refresh(frames);
+  return report;
 }
 
 }  // namespace framehex

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/field/detail/visit_schedule.hpp"
+#include "framehex/field/detail/whole_mesh.hpp"
 #include "framehex/field/frame_measures.hpp"
 #include "framehex/observer.hpp"
 #include "framehex/option_ranges.hpp"
@@ -115,25 +117,6 @@ struct SmoothingState {
   }
 };
 
-/// Cuts an order of visits into stages that hold no two neighbours, such that every vertex comes after those of its
-/// neighbours that precede it in the order: visiting stage by stage, in parallel within each, gives to the bit what
-/// visiting one by one in the order gives.
-inline Csr<index_t> stages_of(const Csr<index_t>& ring, std::span<const index_t> order) {
-  constexpr index_t unseen = no_index;
-  std::vector<index_t> stage(ring.size(), unseen);
-  index_t n_stages = 0;
-  for (const index_t v : order) {
-    index_t s = 0;
-    for (const index_t w : ring[v])
-      if (stage[w] != unseen) s = std::max(s, stage[w] + 1);
-    stage[v] = s;
-    n_stages = std::max(n_stages, s + 1);
-  }
-  return make_csr(n_stages, [&](auto&& put) {
-    for (const index_t v : order) put(stage[v], v);
-  });
-}
-
 }  // namespace detail
 
 /// Smooths a field by turning each free frame to the mean of its neighbours', over and over.
@@ -146,16 +129,18 @@ inline Csr<index_t> stages_of(const Csr<index_t>& ring, std::span<const index_t>
 /// @param constraints  fixed frames stay; those with an axis turn about it only (the axis in `axes` and in the frame).
 /// @param executor     the visits of a sweep are grouped into stages without neighbours (a colouring that follows the
 ///                     order of visits), so the result is to the bit that of the serial order for any executor.
+/// @tparam Holding     of the vertices: those of one's own are visited, and the halo's brought up to date.
 /// @return what each sweep did; `cancelled` leaves a valid field.
 /// @throws invalid_option  when a tolerance or a cap is not positive, or a count does not match.
 /// @par Complexity   O(edges) a sweep.
 /// @par Source       The paper, section 3.3, equations (2) to (5). Departs: the rotation is the mean and not the sum
 ///                   (which overshoots); neighbours with a constraint always have weight 1; sweeps and local iterations
 ///                   are capped.
-template <Executor E = SerialExecutor>
+template <Executor E = SerialExecutor, class Holding = detail::WholeMesh>
 SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternion> frames, std::span<double> smoothness,
                               std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
-                              const SmoothingOptions& options = {}, const E& executor = {}) {
+                              const SmoothingOptions& options = {}, const E& executor = {},
+                              const Holding& holding = {}) {
   const std::size_t n = frames.size();
   check_options(options);
   if (smoothness.size() != n || constraints.size() != n || axes.size() != n || adjacency.n_vertices() != n ||
@@ -173,47 +158,71 @@ SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternio
                                std::vector<std::uint8_t>(n, 0)};
   const std::vector<double> initial = frame_smoothness(adjacency, frames, executor);
   std::copy(initial.begin(), initial.end(), smoothness.begin());
-  std::vector<index_t> free, order;
+  holding.refresh(smoothness);
+  std::vector<index_t> free, order, visited;
+  std::vector<std::uint8_t> is_due(n);
   for (std::size_t v = 0; v < n; ++v)
-    if (constraints[v] != FrameConstraint::fixed && !ring[v].empty()) free.push_back(static_cast<index_t>(v));
+    if (holding.is_own(static_cast<index_t>(v)) && constraints[v] != FrameConstraint::fixed && !ring[v].empty())
+      free.push_back(static_cast<index_t>(v));
+  const std::int64_t n_free = holding.total(static_cast<std::int64_t>(free.size()));
 
   SmoothingReport report;
   for (int sweep = 0; sweep < options.max_sweeps && !report.converged; ++sweep) {
-    order.clear();
+    std::fill(is_due.begin(), is_due.end(), std::uint8_t{0});
     for (const index_t v : free) {
       const auto moves = [&](index_t w) { return state.moved[w] > 0; };
       const auto row = ring[v];
-      if (sweep == 0 || moves(v) || std::any_of(row.begin(), row.end(), moves)) order.push_back(v);
+      is_due[v] = sweep == 0 || moves(v) || std::any_of(row.begin(), row.end(), moves);
     }
+    holding.refresh(std::span(is_due));
+    order.clear();
+    for (index_t v = 0; v < n; ++v)
+      if (is_due[v]) order.push_back(v);
     std::stable_sort(order.begin(), order.end(), [&](index_t v, index_t w) { return state.moved[v] < state.moved[w]; });
     std::fill(state.moved.begin(), state.moved.end(), 0.0);
-    const Csr<index_t> stages = detail::stages_of(ring, order);
-    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
-      const std::span<const index_t> members = stages[stage];
-      for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) state.visit(members[i]);
-      });
-      if (!keep_going(options.observer, "smoothing",
-                      (sweep + static_cast<double>(stage) / static_cast<double>(stages.size())) / options.max_sweeps)) {
-        report.status = Status::cancelled;
-        break;
+
+    detail::VisitSchedule schedule(ring, order, [&](index_t v) { return holding.is_own(v); });
+    const auto n_due = static_cast<double>(std::max<std::int64_t>(schedule.n_left(), 1));
+    const auto goes_on = [&] {
+      const double share = 1 - static_cast<double>(schedule.n_left()) / n_due;
+      return keep_going(options.observer, "smoothing", (sweep + share) / options.max_sweeps);
+    };
+    bool going = true;
+    for (std::int64_t n_left = 1; n_left > 0 && going; n_left = holding.total(schedule.n_left())) {
+      visited.clear();
+      while (going && schedule.next_stage()) {
+        const std::span<const index_t> members = schedule.stage();
+        for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
+          for (std::size_t i = first; i < last; ++i) state.visit(members[i]);
+        });
+        visited.insert(visited.end(), members.begin(), members.end());
+        if (Holding::is_whole) going = goes_on();
       }
+      for (const index_t v : holding.pass_on(visited, frames, smoothness, std::span(state.moved))) schedule.arrived(v);
+      if (!Holding::is_whole) going = goes_on();
     }
+    if (!going) report.status = Status::cancelled;
+
     SweepReport& s = report.sweeps.emplace_back();
-    double visits = 0;
+    std::int64_t visits = 0, iterations = 0;
+    double largest_rotation = 0;
     for (const index_t v : order) {
-      s.largest_rotation = std::max(s.largest_rotation, state.moved[v]);
-      s.local_iterations += state.iterations[v];
+      if (!holding.is_own(v)) continue;
+      largest_rotation = std::max(largest_rotation, state.moved[v]);
+      iterations += state.iterations[v];
       ++visits;
     }
-    s.local_iterations = visits > 0 ? s.local_iterations / visits : 0;
-    s.skipped = free.empty() ? 0 : 1 - visits / static_cast<double>(free.size());
+    s.largest_rotation = holding.largest(largest_rotation);
+    const auto n_visits = static_cast<double>(holding.total(visits));
+    s.local_iterations = n_visits > 0 ? static_cast<double>(holding.total(iterations)) / n_visits : 0;
+    s.skipped = n_free == 0 ? 0 : 1 - n_visits / static_cast<double>(n_free);
     report.converged = s.largest_rotation < options.global_tolerance;
     if (report.status == Status::cancelled) break;
   }
   if (!report.converged && report.status == Status::complete) report.status = Status::budget_exhausted;
   const std::vector<double> last = frame_smoothness(adjacency, frames, executor);
   std::copy(last.begin(), last.end(), smoothness.begin());
+  holding.refresh(smoothness);
   return report;
 }
 

@@ -68,7 +68,7 @@ void extend_sizes(const TetAdjacency& adjacency, std::span<const Vector3> points
   }
   if (sizes.empty()) return;
   if (!(greatest > 0)) throw invalid_field("no vertex has a size");
-  const detail::LaplaceSystem system(adjacency, points);
+  const detail::LaplaceSystem<> system(adjacency, points);
   std::vector<Value> x(sizes.size());
   for (std::size_t row = 0; row < x.size(); ++row) {
     const double size = sizes[system.order[row]];

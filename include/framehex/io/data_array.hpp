@@ -16,7 +16,8 @@ namespace framehex {
 /// Values by cell or by point under a name, for a file.
 struct DataArray {
   std::string name;
-  std::variant<std::vector<double>, std::vector<index_t>, std::vector<std::uint8_t>> values;  ///< row by row
+  std::variant<std::vector<double>, std::vector<index_t>, std::vector<std::uint8_t>, std::vector<std::int64_t>>
+      values;  ///< row by row
   std::size_t n_components = 1;
 
   std::size_t size() const {

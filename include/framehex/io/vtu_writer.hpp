@@ -192,6 +192,44 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
   document.text("    </FieldData>\n");
 }
 
+/// Puts what `write_vtu` writes into a file that is not committed yet.
+inline void put_vtu(OutputFile& file, const std::string& name, const MixedMesh& mesh, const MeshData& data,
+                    const VtuCompression& compression, const MidsideNodes* midside) {
+  static_assert(sizeof(Vector3) == 3 * sizeof(double));
+  check_rows(name, mesh.n_cells() > 0 ? mesh.n_cells() : mesh.faces.size(), mesh.points.size(), data);
+  const VtuCells cells(mesh, midside);
+  const std::vector<Vector3> points = points_with(mesh, midside);
+  std::vector<DataArray> by_point = data.points;
+  if (midside)
+    for (DataArray& array : by_point) array = with_midside_rows(std::move(array), *midside);
+  VtuDocument document(compression);
+
+  const double* const coordinates = points.empty() ? nullptr : points.front().data();
+  std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
+  head += std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+  head += "\" header_type=\"UInt64\"";
+  if (compression.pack) head += " compressor=\"" + compression.name + "\"";
+  document.text(head + ">\n  <UnstructuredGrid>\n");
+  add_groups(document, mesh.groups);
+  document.text("    <Piece NumberOfPoints=\"" + std::to_string(points.size()) + "\" NumberOfCells=\"" +
+                std::to_string(cells.size()) + "\">\n      <Points>\n");
+  document.array("Points", 3, coordinates, 3 * points.size());
+  document.text("      </Points>\n      <Cells>\n");
+  document.array("connectivity", 1, cells.connectivity.data(), cells.connectivity.size());
+  document.array("offsets", 1, cells.offsets.data(), cells.size());
+  document.array("types", 1, cells.types.data(), cells.size());
+  document.text("      </Cells>\n      <CellData>\n");
+  document.array("kind", 1, cells.kinds.data(), cells.size());
+  document.array("label", 1, cells.labels.data(), cells.size());
+  for (const DataArray& array : data.cells) document.array(array, cells.size());
+  document.text("      </CellData>\n      <PointData>\n");
+  for (const DataArray& array : by_point) document.array(array, points.size());
+  document.text("      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n");
+
+  document.write(file);
+  file.write("</VTKFile>\n");
+}
+
 }  // namespace detail
 
 /// Writes a mesh as a VTK XML unstructured grid, for ParaView and whoever builds on VTK.
@@ -211,40 +249,8 @@ inline void add_groups(VtuDocument& document, const std::vector<LabelGroup>& gro
 ///                   VTK's manual (vtk_cells.hpp).
 inline void write_vtu(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {},
                       const VtuCompression& compression = {}, const MidsideNodes* midside = nullptr) {
-  static_assert(sizeof(Vector3) == 3 * sizeof(double));
-  detail::check_rows(path.string(), mesh.n_cells() > 0 ? mesh.n_cells() : mesh.faces.size(), mesh.points.size(), data);
-  const detail::VtuCells cells(mesh, midside);
-  const std::vector<Vector3> points = detail::points_with(mesh, midside);
-  std::vector<DataArray> by_point = data.points;
-  if (midside)
-    for (DataArray& array : by_point) array = detail::with_midside_rows(std::move(array), *midside);
-  detail::VtuDocument document(compression);
-
-  const double* const coordinates = points.empty() ? nullptr : points.front().data();
-  std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
-  head += std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  head += "\" header_type=\"UInt64\"";
-  if (compression.pack) head += " compressor=\"" + compression.name + "\"";
-  document.text(head + ">\n  <UnstructuredGrid>\n");
-  detail::add_groups(document, mesh.groups);
-  document.text("    <Piece NumberOfPoints=\"" + std::to_string(points.size()) + "\" NumberOfCells=\"" +
-                std::to_string(cells.size()) + "\">\n      <Points>\n");
-  document.array("Points", 3, coordinates, 3 * points.size());
-  document.text("      </Points>\n      <Cells>\n");
-  document.array("connectivity", 1, cells.connectivity.data(), cells.connectivity.size());
-  document.array("offsets", 1, cells.offsets.data(), cells.size());
-  document.array("types", 1, cells.types.data(), cells.size());
-  document.text("      </Cells>\n      <CellData>\n");
-  document.array("kind", 1, cells.kinds.data(), cells.size());
-  document.array("label", 1, cells.labels.data(), cells.size());
-  for (const DataArray& array : data.cells) document.array(array, cells.size());
-  document.text("      </CellData>\n      <PointData>\n");
-  for (const DataArray& array : by_point) document.array(array, points.size());
-  document.text("      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n");
-
   OutputFile file(path);
-  document.write(file);
-  file.write("</VTKFile>\n");
+  detail::put_vtu(file, path.string(), mesh, data, compression, midside);
   file.commit();
 }
 

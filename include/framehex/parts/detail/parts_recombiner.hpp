@@ -302,6 +302,10 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
+    std::array<double, 2> least{-result_.weight, -result_.bound};
+    transport_.least(std::span<double>(least));
+    result_.weight = -least[0];
+    result_.bound = -least[1];
     return true;
   }
 

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/distributed/detail/part_numbering.hpp"
+#include "framehex/distributed/run_collectively.hpp"
+
+namespace framehex::distributed {
+
+/// A part of a mesh as it was read.
+struct ReadPart {
+  IndexedPart part;
+  std::vector<index_t> regions;  ///< per cell; empty on all ranks when the mesh has one region
+};
+
+namespace detail {
+
+/// The files that a mesh lies in: those that a .pvtu names, or NAME_1.msh, NAME_2.msh... where there is no NAME.msh.
+/// @return empty: the file itself.
+inline std::vector<std::filesystem::path> piece_files(const std::filesystem::path& path) {
+  const std::string extension = framehex::detail::lower_text(path.extension().string());
+  std::vector<std::filesystem::path> files;
+  if (extension == ".pvtu") {
+    pugi::xml_document document;
+    const std::string bytes = read_file(path);
+    if (!document.load_buffer(bytes.data(), bytes.size())) throw io_error(path.string() + ": not an XML file");
+    const pugi::xml_node grid = document.child("VTKFile").child("PUnstructuredGrid");
+    if (!grid) throw io_error(path.string() + ": holds no PUnstructuredGrid");
+    for (const pugi::xml_node piece : grid.children("Piece"))
+      files.push_back(path.parent_path() / piece.attribute("Source").value());
+    if (files.empty()) throw io_error(path.string() + ": names no piece");
+  }
+  if (extension == ".msh" && !std::filesystem::exists(path)) {
+    const auto numbered = [&](std::size_t i) {
+      return path.parent_path() / (path.stem().string() + "_" + std::to_string(i) + path.extension().string());
+    };
+    for (std::size_t i = 1; std::filesystem::exists(numbered(i)); ++i) files.push_back(numbered(i));
+  }
+  return files;
+}
+
+/// A piece, without the cells that another has.
+struct Piece {
+  IndexedTetMesh mesh;
+  VtuPieceArrays arrays;
+  std::vector<index_t> regions;  ///< per cell
+};
+
+inline Piece read_piece(const std::filesystem::path& path) {
+  Piece piece;
+  const bool is_vtu = framehex::detail::lower_text(path.extension().string()) == ".vtu";
+  const MixedMesh mesh =
+      is_vtu ? read_vtu_piece(path, piece.arrays) : read_mesh(path, {.volume = Volume::optional, .regions = {}});
+  piece.mesh.points = mesh.points;
+  std::vector<std::int64_t> numbers;
+  for (std::size_t c = 0; c < mesh.n_cells(); ++c) {
+    if (c < piece.arrays.ghosts.size() && piece.arrays.ghosts[c] != 0) continue;
+    if (mesh.kinds[c] != CellKind::tetrahedron)
+      throw invalid_connectivity(path.string() + ": cell " + std::to_string(c) + " is not a tetrahedron", Entity::cell,
+                                 {c});
+    const auto row = mesh.cells[c];
+    piece.mesh.tets.push_back({row[0], row[1], row[2], row[3]});
+    piece.regions.push_back(mesh.regions.empty() ? 0 : mesh.regions[c]);
+    if (!piece.arrays.cell_numbers.empty()) numbers.push_back(piece.arrays.cell_numbers[c]);
+  }
+  piece.arrays.cell_numbers = std::move(numbers);
+  return piece;
+}
+
+/// This rank's share of the files, in one part; numbers by the order of the files, where these tell none.
+inline ReadPart read_pieces(const MpiTransport& transport, const std::vector<std::filesystem::path>& files) {
+  const auto n = static_cast<std::size_t>(transport.n_ranks()), rank = static_cast<std::size_t>(transport.rank());
+  const std::size_t first = rank * files.size() / n, last = (rank + 1) * files.size() / n;
+  std::vector<Piece> pieces;
+  std::vector<std::int64_t> counts(2 * files.size() + 2, 0);  // points and cells of each, files that tell their numbers
+  for (std::size_t i = first; i < last; ++i) {
+    const Piece& piece = pieces.emplace_back(read_piece(files[i]));
+    counts[2 * i] = static_cast<std::int64_t>(piece.mesh.points.size());
+    counts[2 * i + 1] = static_cast<std::int64_t>(piece.mesh.tets.size());
+    counts[2 * files.size()] += piece.arrays.point_numbers.size() == piece.mesh.points.size();
+    counts[2 * files.size() + 1] += piece.arrays.cell_numbers.size() == piece.mesh.tets.size();
+  }
+  transport.sum(counts);
+  const auto n_files = static_cast<std::int64_t>(files.size());
+  const bool knows_points = counts[2 * files.size()] == n_files, knows_cells = counts[2 * files.size() + 1] == n_files;
+  std::int64_t first_point = 0, first_cell = 0;
+  ReadPart read;
+  for (std::size_t i = 0; i < last; ++i) {
+    if (i >= first) {
+      const Piece& piece = pieces[i - first];
+      const auto offset = static_cast<index_t>(read.part.mesh.points.size());
+      for (std::size_t v = 0; v < piece.mesh.points.size(); ++v) {
+        read.part.mesh.points.push_back(piece.mesh.points[v]);
+        read.part.vertex_ids.push_back(knows_points ? piece.arrays.point_numbers[v]
+                                                    : first_point + static_cast<std::int64_t>(v));
+      }
+      for (std::size_t c = 0; c < piece.mesh.tets.size(); ++c) {
+        auto& tet = read.part.mesh.tets.emplace_back(piece.mesh.tets[c]);
+        for (index_t& v : tet) v += offset;
+        read.part.cell_ids.push_back(knows_cells ? piece.arrays.cell_numbers[c]
+                                                 : first_cell + static_cast<std::int64_t>(c));
+        read.regions.push_back(piece.regions[c]);
+      }
+    }
+    first_point += counts[2 * i];
+    first_cell += counts[2 * i + 1];
+  }
+  agree_on_vertices(transport, read.part, knows_points);
+  join_vertices(read.part);
+  // Owners again: some that had a vertex had it for cells of others only.
+  agree_on_vertices(transport, read.part, true);
+  return read;
+}
+
+/// A file that the first rank reads, whole, and deals out in stretches of cells, one after the other.
+inline ReadPart deal_out(const MpiTransport& transport, const std::filesystem::path& path,
+                         const std::string& region_array) {
+  struct Cell {
+    std::int64_t id;
+    std::array<index_t, 4> vertices;
+    index_t region;
+  };
+  const auto n_ranks = static_cast<std::size_t>(transport.n_ranks());
+  ReadPart read;
+  IndexedTetMesh mesh;
+  std::vector<index_t> regions;
+  if (transport.rank() == 0) {
+    MixedMesh file = read_mesh(path, {.volume = Volume::required, .regions = region_array});
+    mesh = tetrahedra_of(file);
+    regions = std::move(file.regions);
+  }
+  std::vector<int> owner(mesh.points.size(), -1);
+  std::vector<index_t> number(mesh.points.size(), no_index), sent;
+  for (std::size_t rank = 0; rank < n_ranks; ++rank) {
+    std::vector<Parcel> parcels;
+    if (transport.rank() == 0) {
+      std::vector<Cell> cells;
+      sent.clear();
+      for (std::size_t c = rank * mesh.tets.size() / n_ranks; c < (rank + 1) * mesh.tets.size() / n_ranks; ++c) {
+        Cell& cell = cells.emplace_back(
+            Cell{static_cast<std::int64_t>(c), mesh.tets[c], regions.empty() ? index_t{0} : regions[c]});
+        for (index_t& v : cell.vertices) {
+          if (owner[v] < 0) owner[v] = static_cast<int>(rank);
+          if (number[v] == no_index) {
+            number[v] = static_cast<index_t>(sent.size());
+            sent.push_back(v);
+          }
+          v = number[v];
+        }
+      }
+      std::vector<std::int64_t> ids;
+      std::vector<int> owners;
+      std::vector<Vector3> points;
+      for (const index_t v : sent) {
+        ids.push_back(v);
+        owners.push_back(owner[v]);
+        points.push_back(mesh.points[v]);
+        number[v] = no_index;
+      }
+      Parcel& parcel = parcels.emplace_back(Parcel{static_cast<int>(rank), {}});
+      pack(parcel.bytes, ids);
+      pack(parcel.bytes, owners);
+      pack(parcel.bytes, points);
+      pack(parcel.bytes, cells);
+    }
+    for (const Parcel& p : transport.exchange(std::move(parcels))) {
+      Unpacker in(p.bytes);
+      read.part.vertex_ids = in.take<std::int64_t>();
+      read.part.owners = in.take<int>();
+      read.part.mesh.points = in.take<Vector3>();
+      for (const Cell& cell : in.take<Cell>()) {
+        read.part.cell_ids.push_back(cell.id);
+        read.part.mesh.tets.push_back(cell.vertices);
+        read.regions.push_back(cell.region);
+      }
+    }
+  }
+  return read;
+}
+
+}  // namespace detail
+
+/// Reads a tetrahedral mesh into parts. Collective. Needs pugixml, zlib and liblzma.
+///
+/// The pieces of a .pvtu, or of NAME_1.msh, NAME_2.msh... (as Gmsh saves a partitioned NAME.msh, each partition in a file)
+/// are read by the ranks one after the other; cells marked in the array vtkGhostType are left out. Points of several
+/// pieces are one where their GlobalPointIds are, or, without these, where they lie at one place to the last bit. Any other
+/// file (`read_mesh`) is read by the first rank, which must hold it, and dealt out in the order of its cells.
+///
+/// @param region_array  array by cell that holds the labels, of a file that is dealt out; empty: one of the usual names.
+/// @return vertices without a cell are left out.
+/// @throws remote_error  what `read_mesh` throws on one rank; a cell that is no tetrahedron.
+/// @par Determinism  Numbers depend on the files, not on the number of ranks.
+inline ReadPart read_parts(const std::filesystem::path& path, const MpiTransport& transport,
+                           const std::string& region_array = {}) {
+  return run_collectively(transport, [&] {
+    const std::vector<std::filesystem::path> files = detail::piece_files(path);
+    ReadPart read =
+        files.empty() ? detail::deal_out(transport, path, region_array) : detail::read_pieces(transport, files);
+    const bool is_one = std::all_of(read.regions.begin(), read.regions.end(), [](index_t r) { return r == 0; });
+    if (detail::total(transport, is_one ? 0 : 1) == 0) read.regions.clear();
+    return read;
+  });
+}
+
+}  // namespace framehex::distributed

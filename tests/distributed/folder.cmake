@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSL-1.0
+# What runs over MPI, each program on several numbers of ranks: with the option FRAMEHEX_BUILD_MPI, as scripts/mpi.sh
+# sets it.
+if(NOT FRAMEHEX_BUILD_MPI)
+  return()
+endif()
+framehex_find_adapter(distributed)
+add_custom_target(distributed)
+
+add_library(distributed_test_main OBJECT ${CMAKE_CURRENT_LIST_DIR}/main.cpp)
+target_link_libraries(distributed_test_main PRIVATE framehex::distributed Catch2::Catch2)
+
+# Of more ranks than there are processors; mpirun asks to be told that root may run it.
+set(mpirun ${CMAKE_COMMAND} -E env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${MPIEXEC_EXECUTABLE}
+           --oversubscribe)
+foreach(name IN ITEMS transport validation frame_field files recombine)
+  add_executable(test_distributed_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
+  target_include_directories(test_distributed_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(test_distributed_${name} PRIVATE framehex_development framehex::distributed distributed_test_main
+                                                         Catch2::Catch2)
+  add_dependencies(distributed test_distributed_${name})
+  foreach(n_ranks IN ITEMS 1 2 3 5)
+    set(test_name "distributed: ${name} on ${n_ranks} ranks")
+    add_test(NAME ${test_name} COMMAND ${mpirun} -n ${n_ranks} $<TARGET_FILE:test_distributed_${name}>)
+    set_tests_properties(${test_name} PROPERTIES TIMEOUT 600 PROCESSORS 2)
+  endforeach()
+endforeach()
+framehex_find_adapter(mesh_reader)
+target_link_libraries(test_distributed_files PRIVATE framehex::mesh_reader)
