@@ -216,6 +216,8 @@ private:
       if (any_rank(transport_, thread_.stopped())) return false;
     }
     // What has become free may fit.
+    states.reopen();
+    states.exchange();
     return greedy();
   }
 
