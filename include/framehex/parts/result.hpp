@@ -51,7 +51,8 @@ struct PartRecombination {
   std::int64_t n_parts = 0, n_candidates = 0, n_chosen = 0;
   double weight = 0;  ///< of the selection, to 2^-40 of the heaviest candidate
   std::size_t n_rounds = 0, n_turns = 0;
-  std::int64_t n_kept = 0;  ///< turns of parts that were taken back because their cells did not pass the check
+  std::int64_t n_kept = 0;      ///< turns of parts that were taken back because their cells did not pass the check
+  std::int64_t n_given_up = 0;  ///< chosen hexahedra left out because they could not be closed
   AssemblyStatistics assembly;
   Status status = Status::complete;
 };

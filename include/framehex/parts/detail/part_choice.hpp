@@ -91,8 +91,11 @@ public:
              const AssemblyOptions& options)
       : patch_(patch), hexahedra_(hexahedra), hexahedra_of_vertex_(hexahedra_of_vertex), options_(options) {}
 
-  /// @param tets  of the leaf. @return prisms in the numbers of the patch.
-  ChosenCells choose(index_t leaf, std::span<const index_t> tets, const Observer& observer) {
+  /// @param tets     of the leaf.
+  /// @param allowed  callable: number of a vertex -> whether prisms may have it.
+  /// @return prisms in the numbers of the patch.
+  template <class Allowed>
+  ChosenCells choose(index_t leaf, std::span<const index_t> tets, Allowed&& allowed, const Observer& observer) {
     gather(tets);
     ChosenCells chosen;
     if (n_free_ == 0) return chosen;
@@ -112,7 +115,7 @@ public:
     PotentialPrisms prisms = find_free_prisms(builder, adjacency, options,
                                               {.quality_floor = options_.prism_quality_floor, .observer = observer});
     if (prisms.status == Status::cancelled) return chosen;
-    keep_inside(prisms, leaf);
+    keep_inside(prisms, leaf, allowed);
     const auto n_before = builder.complex.cells.size();
     choose_prisms(builder, prisms, options_.interfaces == InterfaceMode::open ? 3 : 1);
     for (std::size_t cell = n_before; cell < builder.complex.cells.size(); ++cell) {
@@ -165,11 +168,13 @@ private:
     }
   }
 
-  void keep_inside(PotentialPrisms& prisms, index_t leaf) const {
+  template <class Allowed>
+  void keep_inside(PotentialPrisms& prisms, index_t leaf, Allowed&& allowed) const {
     PotentialPrisms kept;
     for (std::size_t i = 0; i < prisms.size(); ++i) {
       const bool inside = std::ranges::all_of(prisms.vertices[i], [&](index_t v) {
-        return std::ranges::all_of(patch_.adjacency.tets_of_vertex[vertex_of_[v]],
+        return allowed(patch_.vertex_number[vertex_of_[v]]) &&
+               std::ranges::all_of(patch_.adjacency.tets_of_vertex[vertex_of_[v]],
                                    [&](index_t tet) { return patch_.leaf_of_tet[tet] == leaf; });
       });
       if (!inside) continue;

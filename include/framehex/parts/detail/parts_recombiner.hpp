@@ -33,34 +33,59 @@ public:
   PartRecombination run() {
     check_input();
     if (!find_box(transport_, input_, low_, high_)) return std::move(result_);
-    gather_patch();
-    result_.n_parts = static_cast<std::int64_t>(partition_->size());
-    if (partition_->size() == 1) return run_whole();
-    PartState state;
-    if (!select(state)) return stopped();
-    AssemblyTurns turns(transport_, low_, high_, options_.assembly, executor_, thread_);
-    stage_ = "assembly";
-    if (!turns.run(state, turn_size(state))) return stopped();
-    result_.n_turns = turns.n_turns();
-    result_.n_kept = sum_of(transport_, static_cast<std::int64_t>(turns.n_kept));
-    result_.assembly = turns.statistics;
-    if (options_.assembly.interfaces == InterfaceMode::conforming) {
-      if (turns.n_unmatched() > 0)
-        throw unsound_mesh("the mesh that was made does not pass its own check: " +
-                           std::to_string(turns.n_unmatched()) + " faces have no other side");
-      check_volume(state);
-    }
-    ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
+    while (!attempt()) result_ = {};
     return std::move(result_);
   }
 
 private:
   using States = CandidateStates<Tr>;
 
-  PartRecombination stopped() {
-    PartRecombination nothing;
-    nothing.status = Status::cancelled;
-    return nothing;
+  /// Leaves in which contenders are exchanged may be larger by this: these are one candidate in twelve at most.
+  static constexpr std::size_t contender_size = 4;
+
+  bool stopped() {
+    result_ = {};
+    result_.status = Status::cancelled;
+    return true;
+  }
+
+  /// @return false when some quadrilaterals could not be closed: the next attempt does without the cells there.
+  bool attempt() {
+    gather_patch();
+    result_.n_parts = static_cast<std::int64_t>(partition_->size());
+    if (partition_->size() == 1) return run_whole();
+    PartState state;
+    if (!select(state)) return stopped();
+    AssemblyOptions assembling = options_.assembly;
+    if (n_attempts_ >= most_attempts) assembling.improvement = ImprovementMode::none;
+    AssemblyTurns turns(transport_, low_, high_, assembling, executor_, thread_);
+    if (!turns.run(state, turn_size(state))) return stopped();
+    result_.n_turns = turns.n_turns();
+    result_.n_kept = sum_of(transport_, static_cast<std::int64_t>(turns.n_kept));
+    result_.assembly = turns.statistics;
+    if (options_.assembly.interfaces == InterfaceMode::conforming) {
+      if (turns.n_unmatched() > 0) return withdraw(turns.unmatched_vertices());
+      check_volume(state);
+    }
+    ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
+    return true;
+  }
+
+  /// Cells at some vertices are not chosen again, and after some attempts none is.
+  bool withdraw(const std::vector<global_t>& vertices) {
+    if (n_attempts_ > most_attempts)
+      throw unsound_mesh("the mesh that was made does not pass its own check: faces have no other side", Entity::vertex,
+                         {vertices.begin(), vertices.end()});
+    ++n_attempts_;
+    Rows<global_t> rows(static_cast<std::size_t>(transport_.n_ranks()), vertices);
+    for (const global_t v : send_joined(transport_, std::move(rows))) withdrawn_.push_back(v);
+    std::sort(withdrawn_.begin(), withdrawn_.end());
+    withdrawn_.erase(std::unique(withdrawn_.begin(), withdrawn_.end()), withdrawn_.end());
+    return false;
+  }
+
+  bool is_withdrawn(global_t vertex) const {
+    return n_attempts_ >= most_attempts || std::binary_search(withdrawn_.begin(), withdrawn_.end(), vertex);
   }
 
   void check_input() const {
@@ -147,7 +172,9 @@ private:
       const ImplicitIncompatibilityGraph graph(pool.candidates, [&](index_t i) { return pool.weights[i]; });
       if (!choose(pool, graph, states)) return false;
     }
+    give_up(pool, states);
     count_chosen(pool, states);
+    stage_ = "assembly";
     ChosenCells chosen = share_chosen(transport_, *partition_, *patch_, pool, states);
     return make_state(chosen, state);
   }
@@ -171,11 +198,26 @@ private:
         const auto& p = patch_->mesh.points;
         codes.push_back(cube.code(centre_of_tet(p[t[0]], p[t[1]], p[t[2]], p[t[3]])));
       });
-      turns.run(Partition(transport_, cube, std::move(codes), options_.part_size), options_.selection.seed);
+      turns.run(Partition(transport_, cube, std::move(codes), contender_size * options_.part_size),
+                options_.selection.seed);
       if (any_rank(transport_, thread_.stopped())) return false;
     }
     // What has become free may fit.
     return greedy();
+  }
+
+  void give_up(const CandidatePool& pool, States& states) {
+    if (n_attempts_ == 0) return;
+    std::int64_t n = 0;
+    for (index_t v = 0; v < pool.n_own; ++v) {
+      if (states[v] != States::taken) continue;
+      const auto& corners = pool.candidates.vertices[v];
+      if (std::ranges::none_of(corners, [&](index_t w) { return is_withdrawn(pool.vertex_number[w]); })) continue;
+      states.set(v, States::refused);
+      ++n;
+    }
+    states.exchange();
+    result_.n_given_up = sum_of(transport_, n);
   }
 
   void count_chosen(const CandidatePool& pool, const States& states) {
@@ -218,7 +260,9 @@ private:
     executor_(tets_of_leaf.size(), [&](std::size_t i, std::size_t) {
       if (!thread_.stopped())
         prisms[i] = LeafPrisms(*patch_, hexahedra, hexahedra_of_vertex, options_.assembly)
-                        .choose(leaves_[0] + static_cast<index_t>(i), tets_of_leaf[i], thread_.part("assembly"));
+                        .choose(
+                            leaves_[0] + static_cast<index_t>(i), tets_of_leaf[i],
+                            [this](global_t v) { return !is_withdrawn(v); }, thread_.part("assembly"));
     });
     return prisms;
   }
@@ -231,7 +275,7 @@ private:
   }
 
   /// One rank holds all: what is done with a mesh that lies in one place.
-  PartRecombination run_whole() {
+  bool run_whole() {
     const int rank = partition_->rank(0);
     bool is_stopped = false;
     if (rank == transport_.rank())
@@ -244,7 +288,7 @@ private:
     std::array<double, 1> weight{-result_.weight};
     transport_.least(std::span<double>(weight));
     result_.weight = -weight[0];
-    return std::move(result_);
+    return true;
   }
 
   const PartInput& input_;
@@ -259,6 +303,9 @@ private:
   std::array<index_t, 2> leaves_{0, 0};
   std::int64_t n_tets_ = 0;
   global_t first_new_ = 0;  ///< number of a vertex
+  static constexpr std::size_t most_attempts = 6;
+  std::size_t n_attempts_ = 0;
+  std::vector<global_t> withdrawn_;  ///< vertices, ascending
   PartRecombination result_;
 };
 
