@@ -5,6 +5,7 @@
 OpenFOAM solves Laplace's equation on two ranks, each on the piece that a rank of the program wrote, coupled by the faces
 that both have; and on the mesh of one rank. The temperatures agree cell by cell.
 """
+import os
 import pathlib
 import re
 import subprocess
@@ -18,6 +19,9 @@ from check_program import lattice
 
 FRAMEHEX, MPIRUN = sys.argv[1], sys.argv[2:]
 SIDE = 8
+FOAM = pathlib.Path("/usr/share/openfoam")
+ENVIRONMENT = {**os.environ, "WM_PROJECT": "OpenFOAM", "WM_PROJECT_DIR": str(FOAM), "FOAM_ETC": str(FOAM / "etc"),
+               "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 FACES = {
     "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
     "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
@@ -127,7 +131,8 @@ def temperatures(folder, piece):
 
 
 def run(words, folder):
-    result = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True)
+    result = subprocess.run([str(word) for word in words], cwd=folder, env=ENVIRONMENT, capture_output=True,
+                            text=True)
     if result.returncode != 0:
         sys.exit(f"{words}:\n{result.stdout[-3000:]}{result.stderr[-3000:]}")
     return result.stdout
@@ -165,5 +170,5 @@ with tempfile.TemporaryDirectory() as name:
     assert serial.keys() == parallel.keys()
     difference = max(abs(serial[cell] - parallel[cell]) for cell in serial)
     spread = max(serial.values()) - min(serial.values())
-    print(f"{len(serial)} cells, temperatures over {spread:.3f}, largest difference {difference:.1e}")
+    print(f"{len(serial)} cells, {sum(len(cell) == 8 for cell in serial)} of them hexahedra, temperatures over {spread:.3f}, largest difference {difference:.1e}")
     assert spread > 0.8 and difference < 1e-9

@@ -42,6 +42,12 @@ if(FRAMEHEX_BUILD_EXAMPLES)
   add_test(NAME "distributed: the program on several ranks"
            COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_program.py $<TARGET_FILE:framehex_program> ${mpirun})
   add_test(NAME "distributed: example of a host" COMMAND ${mpirun} -n 3 $<TARGET_FILE:distributed_host>)
-  set_tests_properties("distributed: the program on several ranks" "distributed: example of a host"
-                       PROPERTIES TIMEOUT 600 PROCESSORS 2)
+  set(program_tests "distributed: the program on several ranks" "distributed: example of a host")
+  find_program(laplacianFoam laplacianFoam)
+  if(laplacianFoam)
+    list(APPEND program_tests "distributed: OpenFOAM on two ranks")
+    add_test(NAME "distributed: OpenFOAM on two ranks"
+             COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_openfoam.py $<TARGET_FILE:framehex_program> ${mpirun})
+  endif()
+  set_tests_properties(${program_tests} PROPERTIES TIMEOUT 600 PROCESSORS 2)
 endif()
