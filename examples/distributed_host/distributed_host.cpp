@@ -11,10 +11,10 @@ namespace solver {
 /// Cells of a slab of n layers of cubes a rank, six tetrahedra each, and all their vertices.
 struct Part {
   std::vector<double> xyz;
-  std::vector<int> corners;             // four a tetrahedron
-  std::vector<long> vertex_numbers;     // in the whole mesh
-  long first_cell_number;               // cells are numbered on from rank to rank
-  std::vector<int> owners;              // rank, of each vertex
+  std::vector<int> corners;          // four a tetrahedron
+  std::vector<long> vertex_numbers;  // in the whole mesh
+  long first_cell_number;            // cells are numbered on from rank to rank
+  std::vector<int> owners;           // rank, of each vertex
 };
 
 Part make_part(int n, int rank) {

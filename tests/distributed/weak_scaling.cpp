@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 // What a rank spends when each brings as many tetrahedra: mpirun -n N weak_scaling LAYERS [field|recombine] [PART_SIZE]
-// A box of cubes, LAYERS^3 of them a rank, their inner vertices moved; prints a line by rank 0.
+// A box of cubes, LAYERS^3 of them a rank, their inner vertices moved; for fields bent to a cylinder, which has singular
+// lines. Rank 0 prints a line.
 #include "framehex/distributed/frame_field.hpp"
 #include "framehex/distributed/recombine.hpp"
 
@@ -41,9 +42,18 @@ IndexedPart slab(index_t n, int rank, int n_ranks) {
   return part;
 }
 
+void bend(IndexedPart& part, index_t n) {
+  for (Vector3& p : part.mesh.points) {
+    const double x = 2 * p.x() / n - 1, y = 2 * p.y() / n - 1;
+    p.x() = 0.5 * n * x * std::sqrt(1 - y * y / 2);
+    p.y() = 0.5 * n * y * std::sqrt(1 - x * x / 2);
+  }
+}
+
 void run(const MpiTransport& transport, index_t n, bool is_field, std::size_t part_size) {
-  const IndexedPart part = slab(n, transport.rank(), transport.n_ranks());
+  IndexedPart part = slab(n, transport.rank(), transport.n_ranks());
   if (is_field) {
+    bend(part, n);
     distributed::compute_frame_field(part, transport);
   } else {
     distributed::RecombineOptions options;
