@@ -13,6 +13,7 @@ struct ChosenCells {
   std::vector<std::array<index_t, 8>> vertices;  ///< of a prism the last two are `no_index`
   Csr<index_t> tets, slivers;                    ///< ascending
   std::vector<std::uint8_t> is_own;              ///< this rank makes the cell of it
+  std::vector<index_t> candidate;                ///< of this rank, `no_index` for others
 
   std::size_t size() const { return vertices.size(); }
 };
@@ -29,6 +30,7 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     std::array<index_t, 8> vertices;
     std::vector<index_t> tets, slivers;
     std::uint8_t is_own;
+    index_t candidate;
   };
   std::vector<Entry> entries;
   auto headers = make_rows<Header>(transport);
@@ -37,7 +39,7 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     if (states[i] != CandidateStates<Tr>::taken) continue;
     const auto tets = pool.candidates.tets[i], slivers = pool.candidates.face_slivers[i];
     const auto& vertices = pool.candidates.vertices[i];
-    entries.push_back({vertices, {tets.begin(), tets.end()}, {slivers.begin(), slivers.end()}, 1});
+    entries.push_back({vertices, {tets.begin(), tets.end()}, {slivers.begin(), slivers.end()}, 1, i});
     if (transport.n_ranks() == 1) continue;
     std::vector<int> ranks;
     for (const index_t v : vertices)
@@ -69,12 +71,14 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     take(entry.tets, header.n_tets);
     take(entry.slivers, header.n_slivers);
     entry.is_own = 0;
+    entry.candidate = no_index;
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.vertices < b.vertices; });
   ChosenCells chosen;
   for (const Entry& entry : entries) {
     chosen.vertices.push_back(entry.vertices);
     chosen.is_own.push_back(entry.is_own);
+    chosen.candidate.push_back(entry.candidate);
     chosen.tets.values.insert(chosen.tets.values.end(), entry.tets.begin(), entry.tets.end());
     chosen.tets.end_row();
     chosen.slivers.values.insert(chosen.slivers.values.end(), entry.slivers.begin(), entry.slivers.end());
@@ -128,6 +132,7 @@ public:
       chosen.tets.end_row();
       chosen.slivers.end_row();
       chosen.is_own.push_back(1);
+      chosen.candidate.push_back(no_index);
     }
     return chosen;
   }
@@ -211,7 +216,9 @@ public:
       for (const auto row : {chosen.tets[i], chosen.slivers[i]})
         for (const index_t tet : row)
           if (tet != no_index) used_[tet] = 1;
-      if (chosen.is_own[i]) add_cell(kind, chosen.vertices[i], chosen.tets[i], chosen.slivers[i]);
+      if (!chosen.is_own[i]) continue;
+      add_cell(kind, chosen.vertices[i], chosen.tets[i], chosen.slivers[i]);
+      state_.cells.back().candidate = chosen.candidate[i];
     }
   }
 

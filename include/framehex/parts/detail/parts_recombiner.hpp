@@ -7,6 +7,7 @@
 #include "framehex/parts/detail/contender_turns.hpp"
 #include "framehex/parts/detail/greedy_rounds.hpp"
 #include "framehex/parts/detail/halo.hpp"
+#include "framehex/parts/detail/part_bound.hpp"
 #include "framehex/parts/detail/part_candidates.hpp"
 #include "framehex/parts/detail/part_choice.hpp"
 #include "framehex/parts/detail/result_maker.hpp"
@@ -15,6 +16,7 @@
 #include "framehex/parts/result.hpp"
 #include "framehex/selection/candidate_weights.hpp"
 
+#include <chrono>
 #include <functional>
 
 #include <optional>
@@ -43,6 +45,13 @@ private:
   /// Leaves in which contenders are exchanged may be larger by this: these are one candidate in twelve at most.
   static constexpr std::size_t contender_size = 4;
 
+  using Clock = std::chrono::steady_clock;
+
+  void lap(double& seconds) {
+    const Clock::time_point now = Clock::now();
+    seconds += std::chrono::duration<double>(now - std::exchange(last_lap_, now)).count();
+  }
+
   bool stopped() {
     result_ = {};
     result_.status = Status::cancelled;
@@ -67,6 +76,7 @@ private:
       if (turns.n_unmatched() > 0) return withdraw(turns.unmatched_vertices());
       check_volume(state);
     }
+    lap(result_.assembly_seconds);
     ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
     return true;
   }
@@ -101,7 +111,8 @@ private:
       throw invalid_option("a mesh in parts keeps its boundary vertices: boundary_projection must be empty");
     if (options_.assembly.interfaces == InterfaceMode::no_pyramids || options_.assembly.fit != CellFit::any)
       throw invalid_option("a mesh in parts is closed with pyramids and fits elements of any kind only");
-    validate(IndexedTetMesh{{input_.points.begin(), input_.points.end()}, {input_.tets.begin(), input_.tets.end()}});
+    if (options_.finder.input_check == InputCheck::validate)
+      validate(IndexedTetMesh{{input_.points.begin(), input_.points.end()}, {input_.tets.begin(), input_.tets.end()}});
   }
 
   void gather_patch() {
@@ -115,7 +126,7 @@ private:
     patch_.emplace(std::move(held), *partition_, has_regions);
     leaves_ = partition_->leaves_of(transport_.rank());
     std::array<double, 1> last{0};
-    for (const global_t v : patch_->vertex_number) last[0] = std::min(last[0], -static_cast<double>(v));
+    for (const global_t v : input_.vertex_numbers) last[0] = std::min(last[0], -static_cast<double>(v));
     transport_.least(std::span<double>(last));
     first_new_ = static_cast<global_t>(-last[0]) + 1;
     for_each_own_tet([&](index_t) { ++n_tets_; });
@@ -162,6 +173,7 @@ private:
     const std::vector<index_t> own = own_vertices(*patch_, leaves_);
     PotentialHexahedra found = find_candidates_at(*patch_, own, options_.finder, executor_);
     if (any_rank(transport_, thread_.stopped())) return false;
+    lap(result_.search_seconds);
     stage_ = "selection";
     result_.n_candidates = sum_of(transport_, static_cast<std::int64_t>(found.size()));
     std::vector<double> weights = list_weights(found.size(), volume_times_quality(found));
@@ -174,6 +186,7 @@ private:
     }
     give_up(pool, states);
     count_chosen(pool, states);
+    lap(result_.selection_seconds);
     stage_ = "assembly";
     ChosenCells chosen = share_chosen(transport_, *partition_, *patch_, pool, states);
     return make_state(chosen, state);
@@ -225,16 +238,20 @@ private:
     for (const double w : pool.weights) heaviest[0] = std::min(heaviest[0], -w);
     transport_.least(std::span<double>(heaviest));
     if (heaviest[0] == 0) heaviest[0] = -1;
-    const double unit = std::ldexp(-heaviest[0], -40);
-    std::array<std::int64_t, 2> sums{0, 0};
+    const double unit = std::ldexp(-heaviest[0], -30);
+    std::array<std::int64_t, 3> sums{0, 0, 0};
     for (index_t v = 0; v < pool.n_own; ++v)
       if (states[v] == States::taken) {
+        result_.chosen.push_back(v);
         ++sums[0];
         sums[1] += std::llround(pool.weights[v] / unit);
       }
+    for (const double bound : bounds_of_leaves(pool, patch_->leaf_of_vertex, leaves_, executor_, thread_))
+      sums[2] += static_cast<std::int64_t>(std::ceil(bound / unit)) + 1;
     transport_.sum(std::span<std::int64_t>(sums));
     result_.n_chosen = sums[0];
     result_.weight = static_cast<double>(sums[1]) * unit;
+    result_.bound = static_cast<double>(std::max(sums[1], sums[2])) * unit;
   }
 
   bool make_state(const ChosenCells& hexahedra, PartState& state) {
@@ -298,6 +315,7 @@ private:
   std::string_view stage_ = "recombination";
   StoppableExecutor<E, std::function<bool()>> executor_;
   Vector3 low_, high_;
+  Clock::time_point last_lap_ = Clock::now();
   std::optional<Partition> partition_;
   std::optional<TetPatch> patch_;
   std::array<index_t, 2> leaves_{0, 0};
