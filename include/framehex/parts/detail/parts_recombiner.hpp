@@ -302,9 +302,10 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
-    std::array<double, 1> weight{-result_.weight};
-    transport_.least(std::span<double>(weight));
-    result_.weight = -weight[0];
+    std::array<double, 2> weights{-result_.weight, -result_.bound};
+    transport_.least(std::span<double>(weights));
+    result_.weight = -weights[0];
+    result_.bound = -weights[1];
     return true;
   }
 
