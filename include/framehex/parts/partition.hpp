@@ -52,11 +52,11 @@ private:
   double width_ = 1, shift_ = 0;
 };
 
-/// The leaves of an octree over a whole mesh, which every rank knows, and the ranks that hold them: contiguous in Morton
-/// order, of about as many cells each.
+/// The leaves of an octree over a whole mesh (split one axis at a time), which every rank knows, and the ranks that hold them:
+/// contiguous in Morton order, of about as many cells each.
 class Partition {
 public:
-  /// Splits leaves until none has more than `part_size` cells. Collective.
+  /// Halves leaves until none has more than `part_size` cells. Collective.
   ///
   /// @param codes  of this rank's cells, in any order.
   /// @par Complexity   one sum over the ranks for each level; on every rank 24 bytes a leaf.
@@ -74,11 +74,11 @@ public:
       std::vector<Node> next;
       for (std::size_t i = 0; i < open.size(); ++i) {
         if (counts[i] == 0) continue;
-        if (static_cast<std::size_t>(counts[i]) <= part_size || level == MortonCube::n_levels)
+        if (static_cast<std::size_t>(counts[i]) <= part_size || level == n_splits)
           leaves_.push_back({open[i].first, counts[i]});
         else
-          for (MortonCube::Code child = 0; child < 8; ++child)
-            next.push_back({open[i].first + child * width(level + 1), level + 1});
+          for (const MortonCube::Code half : {MortonCube::Code{0}, MortonCube::Code{1}})
+            next.push_back({open[i].first + half * width(level + 1), level + 1});
       }
       open = std::move(next);
     }
@@ -128,7 +128,8 @@ private:
     int level;
   };
 
-  static MortonCube::Code width(int level) { return MortonCube::Code{1} << (3 * (MortonCube::n_levels - level)); }
+  static constexpr int n_splits = 3 * MortonCube::n_levels;
+  static MortonCube::Code width(int level) { return MortonCube::Code{1} << (n_splits - level); }
 
   static std::int64_t count(const std::vector<MortonCube::Code>& codes, const Node& node) {
     const auto first = std::lower_bound(codes.begin(), codes.end(), node.first);

@@ -46,13 +46,19 @@ struct PartRecombination {
   std::vector<SharedVertex> shared;      ///< with every other rank, by vertex, then rank
   std::vector<index_t> moved;            ///< vertices of the host that improvement moved, ascending
   Csr<global_t> cell_of;                 ///< cell -> the host's cells that fill it; none if it is made anew
+  std::vector<index_t> chosen;           ///< candidates that this rank found and that were selected, ascending
+  std::vector<index_t> candidate_of;     ///< cell -> candidate of the rank that found it, `no_index` for other kinds
 
   // Of all ranks together.
   std::int64_t n_parts = 0, n_candidates = 0, n_chosen = 0;
-  double weight = 0;  ///< of the selection, to 2^-40 of the heaviest candidate
+  double weight = 0;  ///< of the selection, to 2^-30 of the heaviest candidate
+  double bound = 0;   ///< no selection weighs more; parts that compete at their borders are counted as if they did not
   std::size_t n_rounds = 0, n_turns = 0;
-  std::int64_t n_kept = 0;  ///< turns of parts that were taken back because their cells did not pass the check
+  std::int64_t n_kept = 0;      ///< turns of parts that were taken back because their cells did not pass the check
+  std::int64_t n_given_up = 0;  ///< chosen hexahedra left out because they could not be closed
   AssemblyStatistics assembly;
+  // Of this rank, wall time.
+  double search_seconds = 0, selection_seconds = 0, assembly_seconds = 0;
   Status status = Status::complete;
 };
 

@@ -87,6 +87,7 @@ public:
   // Where only some of the cells are to be worked on; by vertex, those after the last are none of them.
   std::vector<std::uint8_t> settled;   ///< cells that have no other vertices are not improved for their own sake
   std::vector<std::uint8_t> deferred;  ///< open quadrilaterals at them stay open
+  std::vector<std::uint8_t> spared;    ///< no hexahedron or prism is split for the sake of a cell at them
 
   std::size_t n_vertices() const { return points.size(); }
 
@@ -177,10 +178,8 @@ public:
     return !settled.empty() &&
            std::ranges::all_of(corners(cell), [this](index_t v) { return v < settled.size() && settled[v] != 0; });
   }
-  bool is_deferred(const OpenQuad& quad) const {
-    return !deferred.empty() &&
-           std::ranges::any_of(quad.vertices, [this](index_t v) { return v < deferred.size() && deferred[v] != 0; });
-  }
+  bool is_deferred(const OpenQuad& quad) const { return any_in(deferred, quad.vertices); }
+  bool is_spared(index_t cell) const { return any_in(spared, corners(cell)); }
 
   bool unused(index_t vertex) const { return head_[vertex] == no_index; }
 
@@ -289,6 +288,10 @@ public:
   }
 
 private:
+  static bool any_in(const std::vector<std::uint8_t>& set, std::span<const index_t> vertices) {
+    return !set.empty() && std::ranges::any_of(vertices, [&](index_t v) { return v < set.size() && set[v] != 0; });
+  }
+
   std::vector<index_t> head_;  ///< by vertex: a corner slot (8 cell + corner), the first of its list
   std::vector<index_t> next_;  ///< by corner slot
   std::vector<Time> changed_;  ///< by vertex

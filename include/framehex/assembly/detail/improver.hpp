@@ -103,7 +103,8 @@ public:
     for (const Bad& b : bad) {
       if (b.worst >= quality || !pulse_.beat(fraction_)) break;
       if (!complex_.cells[b.cell].alive) continue;
-      if (stubborn_.insert_vertex(b.cell) || (hexahedra_too && stubborn_.split_neighbour(b.cell))) ++n_replaced;
+      const bool may_split = hexahedra_too && !complex_.is_spared(b.cell);
+      if (stubborn_.insert_vertex(b.cell) || (may_split && stubborn_.split_neighbour(b.cell))) ++n_replaced;
     }
     return n_replaced > 0;
   }
@@ -116,7 +117,8 @@ public:
     for (const Bad& b : bad) {
       if (b.worst >= least_hexahedron || !pulse_.beat(fraction_)) break;
       const auto& cell = complex_.cells[b.cell];
-      if (cell.alive && cell.kind == CellKind::hexahedron && stubborn_.split_neighbour(b.cell, 0.5)) ++n_split;
+      if (!cell.alive || cell.kind != CellKind::hexahedron || complex_.is_spared(b.cell)) continue;
+      if (stubborn_.split_neighbour(b.cell, 0.5)) ++n_split;
     }
     return n_split > 0;
   }

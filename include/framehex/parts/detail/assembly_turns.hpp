@@ -45,6 +45,8 @@ public:
 
   /// Faces that have no other side, after the last turn.
   std::int64_t n_unmatched() const { return n_unmatched_; }
+  /// Their vertices that the host has, of the faces that this rank looked at.
+  const std::vector<global_t>& unmatched_vertices() const { return unmatched_vertices_; }
   std::size_t n_turns() const { return n_turns_; }
   /// Leaves of the last turn, and that in which each cell of the result was.
   const Partition& partition() const { return *partition_; }
@@ -134,9 +136,13 @@ private:
       return std::tie(a.vertices, a.side) < std::tie(b.vertices, b.side);
     });
     std::int64_t n = 0;
+    unmatched_vertices_.clear();
     for (std::size_t i = 0, end = 0; i < faces.size(); i = end) {
       while (end < faces.size() && faces[end].vertices == faces[i].vertices) ++end;
-      if (end - i != 2 || faces[i].side == faces[i + 1].side) n += static_cast<std::int64_t>(end - i);
+      if (end - i == 2 && faces[i].side != faces[i + 1].side) continue;
+      n += static_cast<std::int64_t>(end - i);
+      for (const global_t v : faces[i].vertices)
+        if (v >= 0 && v < first_new_vertex) unmatched_vertices_.push_back(v);
     }
     n_unmatched_ = sum_of(transport_, n);
   }
@@ -150,6 +156,7 @@ private:
   std::vector<index_t> leaf_of_cell_;
   std::vector<PartTurn::OpenFace> open_faces_;
   std::int64_t n_unmatched_ = 0;
+  std::vector<global_t> unmatched_vertices_;
   std::size_t n_turns_ = 0;
 };
 

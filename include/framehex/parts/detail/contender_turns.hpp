@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/executor.hpp"
 #include "framehex/parts/detail/calling_thread.hpp"
 #include "framehex/parts/detail/candidate_states.hpp"
 #include "framehex/selection/detail/contender_search.hpp"
@@ -108,6 +109,7 @@ public:
   void run(const Partition& partition, std::uint64_t seed) {
     find_leaves(partition);
     gather(partition);
+    note_borders();
     std::vector<std::vector<const ContenderRecord*>> changed(groups_.size());
     executor_(groups_.size(), [&](std::size_t i, std::size_t) {
       if (!thread_.stopped()) changed[i] = ContenderPart(group(i)).improve(seed, thread_.part("selection"));
@@ -138,31 +140,60 @@ private:
   }
 
   /// Whether an own candidate can compete with members that may go.
-  bool contends(index_t v, const Occupancy<ImplicitIncompatibilityGraph>& occupied) {
-    seen_.clear();
+  bool contends(index_t v, const Occupancy<ImplicitIncompatibilityGraph>& occupied, std::vector<index_t>& seen) const {
+    seen.clear();
+    double so_far = 0;
     const bool cannot = occupied.any_blocker(v, [&](index_t member) {
       if (leaf_[member] != leaf_[v]) return true;
-      if (std::find(seen_.begin(), seen_.end(), member) == seen_.end()) seen_.push_back(member);
-      return false;
+      if (std::find(seen.begin(), seen.end(), member) != seen.end()) return false;
+      seen.push_back(member);
+      so_far += pool_.weights[member];
+      // Clearly too light, in whatever order the rest is added up.
+      return pool_.weights[v] < 0.999999 * least_share * so_far;
     });
     if (cannot) return false;
     // In order, so that the sum does not depend on who adds it up.
-    std::sort(seen_.begin(), seen_.end(), [this](index_t a, index_t b) { return pool_.is_before(a, b); });
+    std::sort(seen.begin(), seen.end(), [this](index_t a, index_t b) { return pool_.is_before(a, b); });
     double blocking = 0;
-    for (const index_t member : seen_) blocking += pool_.weights[member];
+    for (const index_t member : seen) blocking += pool_.weights[member];
     return pool_.weights[v] >= least_share * blocking;
   }
 
-  void gather(const Partition& partition) {
+  /// Whether a candidate is looked at in this turn: after the first those that were near a border.
+  bool has_turn(index_t v) const {
+    return leaf_[v] != no_index &&
+           (at_border_.empty() ||
+            std::ranges::any_of(pool_.candidates.vertices[v], [this](index_t w) { return at_border_[w] != 0; }));
+  }
+
+  void note_borders() {
+    if (!at_border_.empty()) return;
+    at_border_.assign(pool_.points.size(), 0);
+    for (index_t v = 0; v < pool_.size(); ++v)
+      if (leaf_[v] == no_index)
+        for (const index_t w : pool_.candidates.vertices[v]) at_border_[w] = 1;
+  }
+
+  std::vector<std::uint8_t> find_contenders() const {
     Occupancy<ImplicitIncompatibilityGraph> occupied(graph_);
     for (index_t v = 0; v < pool_.size(); ++v)
       if (states_[v] == States::taken) occupied.add(v);
+    std::vector<std::uint8_t> found(pool_.n_own, 0);
+    for_blocks(executor_, pool_.n_own, 4096, [&](std::size_t first, std::size_t last) {
+      std::vector<index_t> seen;
+      for (auto v = static_cast<index_t>(first); v < last; ++v)
+        if (states_[v] != States::taken && has_turn(v)) found[v] = contends(v, occupied, seen) ? 1 : 0;
+    });
+    return found;
+  }
+
+  void gather(const Partition& partition) {
+    const std::vector<std::uint8_t> is_contender = find_contenders();
     Rows<ContenderRecord> records = make_rows<ContenderRecord>(transport_);
     Rows<global_t> tets = make_rows<global_t>(transport_);
     for (index_t v = 0; v < pool_.n_own; ++v) {
-      if (leaf_[v] == no_index) continue;
       const bool is_member = states_[v] == States::taken;
-      if (!is_member && !contends(v, occupied)) continue;
+      if (leaf_[v] == no_index || !(is_member || is_contender[v])) continue;
       const auto to = static_cast<std::size_t>(partition.rank(leaf_[v]));
       records[to].push_back({pool_.record(v, transport_.rank()), leaf_[v], is_member ? 1U : 0U});
       for (const index_t tet : pool_.candidates.tets[v]) tets[to].push_back(pool_.tet_number[tet]);
@@ -201,8 +232,8 @@ private:
   States& states_;
   const E& executor_;
   CallingThread& thread_;
-  std::vector<index_t> leaf_;  ///< by candidate: the one that has all its vertices
-  std::vector<index_t> seen_;
+  std::vector<index_t> leaf_;            ///< by candidate: the one that has all its vertices
+  std::vector<std::uint8_t> at_border_;  ///< by vertex; empty before the first turn
   std::vector<ContenderRecord> records_;
   std::vector<global_t> tets_;
   std::vector<std::size_t> first_tet_, order_;  ///< of the records; the records by leaf

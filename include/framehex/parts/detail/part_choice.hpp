@@ -13,6 +13,7 @@ struct ChosenCells {
   std::vector<std::array<index_t, 8>> vertices;  ///< of a prism the last two are `no_index`
   Csr<index_t> tets, slivers;                    ///< ascending
   std::vector<std::uint8_t> is_own;              ///< this rank makes the cell of it
+  std::vector<index_t> candidate;                ///< of this rank, `no_index` for others
 
   std::size_t size() const { return vertices.size(); }
 };
@@ -29,6 +30,7 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     std::array<index_t, 8> vertices;
     std::vector<index_t> tets, slivers;
     std::uint8_t is_own;
+    index_t candidate;
   };
   std::vector<Entry> entries;
   auto headers = make_rows<Header>(transport);
@@ -37,7 +39,7 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     if (states[i] != CandidateStates<Tr>::taken) continue;
     const auto tets = pool.candidates.tets[i], slivers = pool.candidates.face_slivers[i];
     const auto& vertices = pool.candidates.vertices[i];
-    entries.push_back({vertices, {tets.begin(), tets.end()}, {slivers.begin(), slivers.end()}, 1});
+    entries.push_back({vertices, {tets.begin(), tets.end()}, {slivers.begin(), slivers.end()}, 1, i});
     if (transport.n_ranks() == 1) continue;
     std::vector<int> ranks;
     for (const index_t v : vertices)
@@ -69,12 +71,14 @@ ChosenCells share_chosen(const Tr& transport, const Partition& partition, const 
     take(entry.tets, header.n_tets);
     take(entry.slivers, header.n_slivers);
     entry.is_own = 0;
+    entry.candidate = no_index;
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.vertices < b.vertices; });
   ChosenCells chosen;
   for (const Entry& entry : entries) {
     chosen.vertices.push_back(entry.vertices);
     chosen.is_own.push_back(entry.is_own);
+    chosen.candidate.push_back(entry.candidate);
     chosen.tets.values.insert(chosen.tets.values.end(), entry.tets.begin(), entry.tets.end());
     chosen.tets.end_row();
     chosen.slivers.values.insert(chosen.slivers.values.end(), entry.slivers.begin(), entry.slivers.end());
@@ -91,8 +95,11 @@ public:
              const AssemblyOptions& options)
       : patch_(patch), hexahedra_(hexahedra), hexahedra_of_vertex_(hexahedra_of_vertex), options_(options) {}
 
-  /// @param tets  of the leaf. @return prisms in the numbers of the patch.
-  ChosenCells choose(index_t leaf, std::span<const index_t> tets, const Observer& observer) {
+  /// @param tets     of the leaf.
+  /// @param allowed  callable: number of a vertex -> whether prisms may have it.
+  /// @return prisms in the numbers of the patch.
+  template <class Allowed>
+  ChosenCells choose(index_t leaf, std::span<const index_t> tets, Allowed&& allowed, const Observer& observer) {
     gather(tets);
     ChosenCells chosen;
     if (n_free_ == 0) return chosen;
@@ -112,7 +119,7 @@ public:
     PotentialPrisms prisms = find_free_prisms(builder, adjacency, options,
                                               {.quality_floor = options_.prism_quality_floor, .observer = observer});
     if (prisms.status == Status::cancelled) return chosen;
-    keep_inside(prisms, leaf);
+    keep_inside(prisms, leaf, allowed);
     const auto n_before = builder.complex.cells.size();
     choose_prisms(builder, prisms, options_.interfaces == InterfaceMode::open ? 3 : 1);
     for (std::size_t cell = n_before; cell < builder.complex.cells.size(); ++cell) {
@@ -125,6 +132,7 @@ public:
       chosen.tets.end_row();
       chosen.slivers.end_row();
       chosen.is_own.push_back(1);
+      chosen.candidate.push_back(no_index);
     }
     return chosen;
   }
@@ -165,11 +173,13 @@ private:
     }
   }
 
-  void keep_inside(PotentialPrisms& prisms, index_t leaf) const {
+  template <class Allowed>
+  void keep_inside(PotentialPrisms& prisms, index_t leaf, Allowed&& allowed) const {
     PotentialPrisms kept;
     for (std::size_t i = 0; i < prisms.size(); ++i) {
       const bool inside = std::ranges::all_of(prisms.vertices[i], [&](index_t v) {
-        return std::ranges::all_of(patch_.adjacency.tets_of_vertex[vertex_of_[v]],
+        return allowed(patch_.vertex_number[vertex_of_[v]]) &&
+               std::ranges::all_of(patch_.adjacency.tets_of_vertex[vertex_of_[v]],
                                    [&](index_t tet) { return patch_.leaf_of_tet[tet] == leaf; });
       });
       if (!inside) continue;
@@ -206,7 +216,9 @@ public:
       for (const auto row : {chosen.tets[i], chosen.slivers[i]})
         for (const index_t tet : row)
           if (tet != no_index) used_[tet] = 1;
-      if (chosen.is_own[i]) add_cell(kind, chosen.vertices[i], chosen.tets[i], chosen.slivers[i]);
+      if (!chosen.is_own[i]) continue;
+      add_cell(kind, chosen.vertices[i], chosen.tets[i], chosen.slivers[i]);
+      state_.cells.back().candidate = chosen.candidate[i];
     }
   }
 

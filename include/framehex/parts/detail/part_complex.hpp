@@ -53,10 +53,14 @@ public:
   template <class Shared>
   bool list_once(std::vector<Once>& once, Shared&& shared) const;
 
-  /// Keys of the faces beyond which other parts lie.
-  const std::vector<std::pair<FaceKey, std::uint8_t>>& frozen_faces() const { return frozen_faces_; }
+  /// Whether another part lies beyond a face.
+  bool is_frozen(const std::array<index_t, 4>& face) const { return frozen_mark(face_key(face)) != nullptr; }
 
 private:
+  const std::uint8_t* frozen_mark(const FaceKey& key) const {
+    const auto at = std::lower_bound(frozen_faces_.begin(), frozen_faces_.end(), std::pair(key, std::uint8_t{0}));
+    return at != frozen_faces_.end() && at->first == key ? &at->second : nullptr;
+  }
   const CellRecord& record(index_t cell) const { return state_.cells[record_of[cell]]; }
   index_t local(global_t number) const {
     const auto at = std::lower_bound(by_number_.begin(), by_number_.end(), number,
@@ -280,11 +284,9 @@ bool PartComplex::find_marks(std::vector<std::array<std::uint8_t, 6>>& marks, Nu
   };
   for (const Once& o : once) {
     std::uint8_t& mark = marks[o.cell][o.face];
-    const auto frozen_face =
-        std::lower_bound(frozen_faces_.begin(), frozen_faces_.end(), std::pair(o.key, std::uint8_t{0}));
-    if (frozen_face != frozen_faces_.end() && frozen_face->first == o.key) {
+    if (const std::uint8_t* const frozen_face = frozen_mark(o.key)) {
       ++n_frozen;
-      mark = frozen_face->second;
+      mark = *frozen_face;
       continue;
     }
     const index_t open = complex.open_quad_at(o.key);

@@ -23,6 +23,7 @@ struct CellRecord {
   std::array<global_t, 8> corners;
   global_t tet = -1;  ///< the host's, of an untouched tetrahedron
   index_t region = 0;
+  index_t candidate = no_index;  ///< of a hexahedron, on the rank that found it
   std::uint32_t n_sources = 0;
   CellKind kind = CellKind::tetrahedron;
   std::array<std::uint8_t, 6> marks{};

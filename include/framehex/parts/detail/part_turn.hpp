@@ -52,6 +52,7 @@ private:
     CellComplex& complex = part.complex;
     const AssemblyOptions& options = settings_.options;
     if (settings_.defers) complex.deferred = part.frozen;
+    hold_unclosed(part);
     Pulse pulse(observer, "assembly");
     const Originals originals = part.originals();
     const bool improves = options.improvement == ImprovementMode::improve;
@@ -65,6 +66,24 @@ private:
       closer.close_all();
     }
     if (improves) improver.run(8, options.interfaces == InterfaceMode::conforming);
+  }
+
+  /// Keeps the corners of cells where they are that may yet have to be taken back into their tetrahedra: those with a
+  /// quadrilateral that is left to a later turn.
+  void hold_unclosed(PartComplex& part) {
+    CellComplex& complex = part.complex;
+    held_ = part.frozen;
+    const auto hold = [&](index_t cell) {
+      for (const index_t v : complex.corners(cell)) held_[v] = complex.on_boundary[v] = complex.is_protected[v] = 1;
+    };
+    for (index_t cell = 0; cell < part.record_of.size(); ++cell) {
+      const CellRecord& record = state_.cells[part.record_of[cell]];
+      for (std::size_t f = 0; record.n_sources > 0 && f < complex.n_faces(cell); ++f)
+        if ((record.marks[f] & FaceMark::cut) && part.is_frozen(complex.face(cell, f))) hold(cell);
+    }
+    for (const OpenQuad& quad : complex.open_quads)
+      if (complex.is_deferred(quad)) hold(quad.cell);
+    if (settings_.defers) complex.spared = held_;
   }
 
   global_t number(const PartComplex& part, index_t v) const {
@@ -110,18 +129,17 @@ private:
     return state;
   }
 
-  /// Vertices that cells or what they were made of have. Settled are those that have no cell with a frozen one.
+  /// Vertices that cells or what they were made of have. Settled are those that have no cell with one that was held.
   void add_vertices(const PartComplex& part, PartState& state) const {
     const CellComplex& complex = part.complex;
-    std::vector<std::uint8_t> needed(complex.n_vertices(), 0), near_frozen(complex.n_vertices(), 0);
+    std::vector<std::uint8_t> needed(complex.n_vertices(), 0), near_held(complex.n_vertices(), 0);
     for (index_t id = 0; id < complex.cells.size(); ++id) {
       if (!complex.cells[id].alive) continue;
       const auto corners = complex.corners(id);
-      const bool touches =
-          std::ranges::any_of(corners, [&](index_t v) { return v < part.frozen.size() && part.frozen[v] != 0; });
+      const bool touches = std::ranges::any_of(corners, [&](index_t v) { return v < held_.size() && held_[v] != 0; });
       for (const index_t v : corners) {
         needed[v] = 1;
-        if (touches) near_frozen[v] = 1;
+        if (touches) near_held[v] = 1;
       }
     }
     std::vector<global_t> of_sources;
@@ -136,7 +154,7 @@ private:
         vertex.moved = part.vertices[v].moved != 0 || has_moved(part, v) ? 1 : 0;
         vertex.settled = part.vertices[v].settled;
       }
-      if (!kept && !near_frozen[v]) vertex.settled = 1;
+      if (!kept && !near_held[v]) vertex.settled = 1;
       state.vertices.push_back(vertex);
     }
   }
@@ -145,11 +163,9 @@ private:
     std::vector<PartComplex::Once> once;
     part.list_once(once, [](const FaceKey&, index_t, index_t) {});
     for (const auto& o : once) {
-      const auto at =
-          std::lower_bound(part.frozen_faces().begin(), part.frozen_faces().end(), std::pair(o.key, std::uint8_t{0}));
-      const bool frozen = at != part.frozen_faces().end() && at->first == o.key;
-      if (!frozen && part.complex.open_quad_at(o.key) == no_index) continue;
-      open_faces.push_back(open_face(part, part.complex.face(o.cell, o.face)));
+      const auto face = part.complex.face(o.cell, o.face);
+      if (!part.is_frozen(face) && part.complex.open_quad_at(face) == no_index) continue;
+      open_faces.push_back(open_face(part, face));
     }
   }
 
@@ -175,6 +191,7 @@ private:
   const std::vector<std::size_t>& first_source_;
   const TurnSettings& settings_;
   index_t leaf_;
+  std::vector<std::uint8_t> held_;  ///< vertices that could not move for what lies beyond the border
 };
 
 }  // namespace framehex::detail

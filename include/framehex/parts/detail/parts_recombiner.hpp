@@ -7,6 +7,7 @@
 #include "framehex/parts/detail/contender_turns.hpp"
 #include "framehex/parts/detail/greedy_rounds.hpp"
 #include "framehex/parts/detail/halo.hpp"
+#include "framehex/parts/detail/part_bound.hpp"
 #include "framehex/parts/detail/part_candidates.hpp"
 #include "framehex/parts/detail/part_choice.hpp"
 #include "framehex/parts/detail/result_maker.hpp"
@@ -15,6 +16,7 @@
 #include "framehex/parts/result.hpp"
 #include "framehex/selection/candidate_weights.hpp"
 
+#include <chrono>
 #include <functional>
 
 #include <optional>
@@ -33,34 +35,67 @@ public:
   PartRecombination run() {
     check_input();
     if (!find_box(transport_, input_, low_, high_)) return std::move(result_);
-    gather_patch();
-    result_.n_parts = static_cast<std::int64_t>(partition_->size());
-    if (partition_->size() == 1) return run_whole();
-    PartState state;
-    if (!select(state)) return stopped();
-    AssemblyTurns turns(transport_, low_, high_, options_.assembly, executor_, thread_);
-    stage_ = "assembly";
-    if (!turns.run(state, turn_size(state))) return stopped();
-    result_.n_turns = turns.n_turns();
-    result_.n_kept = sum_of(transport_, static_cast<std::int64_t>(turns.n_kept));
-    result_.assembly = turns.statistics;
-    if (options_.assembly.interfaces == InterfaceMode::conforming) {
-      if (turns.n_unmatched() > 0)
-        throw unsound_mesh("the mesh that was made does not pass its own check: " +
-                           std::to_string(turns.n_unmatched()) + " faces have no other side");
-      check_volume(state);
-    }
-    ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
+    while (!attempt()) result_ = {};
     return std::move(result_);
   }
 
 private:
   using States = CandidateStates<Tr>;
 
-  PartRecombination stopped() {
-    PartRecombination nothing;
-    nothing.status = Status::cancelled;
-    return nothing;
+  /// Leaves in which contenders are exchanged may be larger by this: these are one candidate in twelve at most.
+  static constexpr std::size_t contender_size = 4;
+
+  using Clock = std::chrono::steady_clock;
+
+  void lap(double& seconds) {
+    const Clock::time_point now = Clock::now();
+    seconds += std::chrono::duration<double>(now - std::exchange(last_lap_, now)).count();
+  }
+
+  bool stopped() {
+    result_ = {};
+    result_.status = Status::cancelled;
+    return true;
+  }
+
+  /// @return false when some quadrilaterals could not be closed: the next attempt does without the cells there.
+  bool attempt() {
+    gather_patch();
+    result_.n_parts = static_cast<std::int64_t>(partition_->size());
+    if (partition_->size() == 1) return run_whole();
+    PartState state;
+    if (!select(state)) return stopped();
+    AssemblyOptions assembling = options_.assembly;
+    if (n_attempts_ >= most_attempts) assembling.improvement = ImprovementMode::none;
+    AssemblyTurns turns(transport_, low_, high_, assembling, executor_, thread_);
+    if (!turns.run(state, turn_size(state))) return stopped();
+    result_.n_turns = turns.n_turns();
+    result_.n_kept = sum_of(transport_, static_cast<std::int64_t>(turns.n_kept));
+    result_.assembly = turns.statistics;
+    if (options_.assembly.interfaces == InterfaceMode::conforming) {
+      if (turns.n_unmatched() > 0) return withdraw(turns.unmatched_vertices());
+      check_volume(state);
+    }
+    lap(result_.assembly_seconds);
+    ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
+    return true;
+  }
+
+  /// Cells at some vertices are not chosen again, and after some attempts none is.
+  bool withdraw(const std::vector<global_t>& vertices) {
+    if (n_attempts_ > most_attempts)
+      throw unsound_mesh("the mesh that was made does not pass its own check: faces have no other side", Entity::vertex,
+                         {vertices.begin(), vertices.end()});
+    ++n_attempts_;
+    Rows<global_t> rows(static_cast<std::size_t>(transport_.n_ranks()), vertices);
+    for (const global_t v : send_joined(transport_, std::move(rows))) withdrawn_.push_back(v);
+    std::sort(withdrawn_.begin(), withdrawn_.end());
+    withdrawn_.erase(std::unique(withdrawn_.begin(), withdrawn_.end()), withdrawn_.end());
+    return false;
+  }
+
+  bool is_withdrawn(global_t vertex) const {
+    return n_attempts_ >= most_attempts || std::binary_search(withdrawn_.begin(), withdrawn_.end(), vertex);
   }
 
   void check_input() const {
@@ -76,7 +111,8 @@ private:
       throw invalid_option("a mesh in parts keeps its boundary vertices: boundary_projection must be empty");
     if (options_.assembly.interfaces == InterfaceMode::no_pyramids || options_.assembly.fit != CellFit::any)
       throw invalid_option("a mesh in parts is closed with pyramids and fits elements of any kind only");
-    validate(IndexedTetMesh{{input_.points.begin(), input_.points.end()}, {input_.tets.begin(), input_.tets.end()}});
+    if (options_.finder.input_check == InputCheck::validate)
+      validate(IndexedTetMesh{{input_.points.begin(), input_.points.end()}, {input_.tets.begin(), input_.tets.end()}});
   }
 
   void gather_patch() {
@@ -90,7 +126,7 @@ private:
     patch_.emplace(std::move(held), *partition_, has_regions);
     leaves_ = partition_->leaves_of(transport_.rank());
     std::array<double, 1> last{0};
-    for (const global_t v : patch_->vertex_number) last[0] = std::min(last[0], -static_cast<double>(v));
+    for (const global_t v : input_.vertex_numbers) last[0] = std::min(last[0], -static_cast<double>(v));
     transport_.least(std::span<double>(last));
     first_new_ = static_cast<global_t>(-last[0]) + 1;
     for_each_own_tet([&](index_t) { ++n_tets_; });
@@ -137,6 +173,7 @@ private:
     const std::vector<index_t> own = own_vertices(*patch_, leaves_);
     PotentialHexahedra found = find_candidates_at(*patch_, own, options_.finder, executor_);
     if (any_rank(transport_, thread_.stopped())) return false;
+    lap(result_.search_seconds);
     stage_ = "selection";
     result_.n_candidates = sum_of(transport_, static_cast<std::int64_t>(found.size()));
     std::vector<double> weights = list_weights(found.size(), volume_times_quality(found));
@@ -147,7 +184,10 @@ private:
       const ImplicitIncompatibilityGraph graph(pool.candidates, [&](index_t i) { return pool.weights[i]; });
       if (!choose(pool, graph, states)) return false;
     }
+    give_up(pool, states);
     count_chosen(pool, states);
+    lap(result_.selection_seconds);
+    stage_ = "assembly";
     ChosenCells chosen = share_chosen(transport_, *partition_, *patch_, pool, states);
     return make_state(chosen, state);
   }
@@ -171,11 +211,26 @@ private:
         const auto& p = patch_->mesh.points;
         codes.push_back(cube.code(centre_of_tet(p[t[0]], p[t[1]], p[t[2]], p[t[3]])));
       });
-      turns.run(Partition(transport_, cube, std::move(codes), options_.part_size), options_.selection.seed);
+      turns.run(Partition(transport_, cube, std::move(codes), contender_size * options_.part_size),
+                options_.selection.seed);
       if (any_rank(transport_, thread_.stopped())) return false;
     }
     // What has become free may fit.
     return greedy();
+  }
+
+  void give_up(const CandidatePool& pool, States& states) {
+    if (n_attempts_ == 0) return;
+    std::int64_t n = 0;
+    for (index_t v = 0; v < pool.n_own; ++v) {
+      if (states[v] != States::taken) continue;
+      const auto& corners = pool.candidates.vertices[v];
+      if (std::ranges::none_of(corners, [&](index_t w) { return is_withdrawn(pool.vertex_number[w]); })) continue;
+      states.set(v, States::refused);
+      ++n;
+    }
+    states.exchange();
+    result_.n_given_up = sum_of(transport_, n);
   }
 
   void count_chosen(const CandidatePool& pool, const States& states) {
@@ -183,16 +238,20 @@ private:
     for (const double w : pool.weights) heaviest[0] = std::min(heaviest[0], -w);
     transport_.least(std::span<double>(heaviest));
     if (heaviest[0] == 0) heaviest[0] = -1;
-    const double unit = std::ldexp(-heaviest[0], -40);
-    std::array<std::int64_t, 2> sums{0, 0};
+    const double unit = std::ldexp(-heaviest[0], -30);
+    std::array<std::int64_t, 3> sums{0, 0, 0};
     for (index_t v = 0; v < pool.n_own; ++v)
       if (states[v] == States::taken) {
+        result_.chosen.push_back(v);
         ++sums[0];
         sums[1] += std::llround(pool.weights[v] / unit);
       }
+    for (const double bound : bounds_of_leaves(pool, patch_->leaf_of_vertex, leaves_, executor_, thread_))
+      sums[2] += static_cast<std::int64_t>(std::ceil(bound / unit)) + 1;
     transport_.sum(std::span<std::int64_t>(sums));
     result_.n_chosen = sums[0];
     result_.weight = static_cast<double>(sums[1]) * unit;
+    result_.bound = static_cast<double>(std::max(sums[1], sums[2])) * unit;
   }
 
   bool make_state(const ChosenCells& hexahedra, PartState& state) {
@@ -218,7 +277,9 @@ private:
     executor_(tets_of_leaf.size(), [&](std::size_t i, std::size_t) {
       if (!thread_.stopped())
         prisms[i] = LeafPrisms(*patch_, hexahedra, hexahedra_of_vertex, options_.assembly)
-                        .choose(leaves_[0] + static_cast<index_t>(i), tets_of_leaf[i], thread_.part("assembly"));
+                        .choose(
+                            leaves_[0] + static_cast<index_t>(i), tets_of_leaf[i],
+                            [this](global_t v) { return !is_withdrawn(v); }, thread_.part("assembly"));
     });
     return prisms;
   }
@@ -231,7 +292,7 @@ private:
   }
 
   /// One rank holds all: what is done with a mesh that lies in one place.
-  PartRecombination run_whole() {
+  bool run_whole() {
     const int rank = partition_->rank(0);
     bool is_stopped = false;
     if (rank == transport_.rank())
@@ -241,10 +302,11 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
-    std::array<double, 1> weight{-result_.weight};
-    transport_.least(std::span<double>(weight));
-    result_.weight = -weight[0];
-    return std::move(result_);
+    std::array<double, 2> weights{-result_.weight, -result_.bound};
+    transport_.least(std::span<double>(weights));
+    result_.weight = -weights[0];
+    result_.bound = -weights[1];
+    return true;
   }
 
   const PartInput& input_;
@@ -254,11 +316,15 @@ private:
   std::string_view stage_ = "recombination";
   StoppableExecutor<E, std::function<bool()>> executor_;
   Vector3 low_, high_;
+  Clock::time_point last_lap_ = Clock::now();
   std::optional<Partition> partition_;
   std::optional<TetPatch> patch_;
   std::array<index_t, 2> leaves_{0, 0};
   std::int64_t n_tets_ = 0;
   global_t first_new_ = 0;  ///< number of a vertex
+  static constexpr std::size_t most_attempts = 6;
+  std::size_t n_attempts_ = 0;
+  std::vector<global_t> withdrawn_;  ///< vertices, ascending
   PartRecombination result_;
 };
 

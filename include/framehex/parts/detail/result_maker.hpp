@@ -129,6 +129,7 @@ private:
       const CellRecord& cell = state.cells[i];
       result.mesh.add(cell.kind, {corners_[i].data(), cell.size()});
       result.mesh.regions.push_back(cell.region);
+      result.candidate_of.push_back(cell.candidate);
       if (cell.tet >= 0) result.cell_of.values.push_back(cell.tet);
       const auto first = static_cast<std::ptrdiff_t>(result.cell_of.values.size());
       for (std::size_t k = 0; k < cell.n_sources; ++k, ++source)

@@ -31,6 +31,8 @@ bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E
   result.n_candidates = static_cast<std::int64_t>(candidates.size());
   result.n_chosen = static_cast<std::int64_t>(selection.members.size());
   result.weight = selection.weight;
+  result.bound = selection.bound;
+  result.chosen = selection.members;
   candidates = chosen(candidates, selection.members);
   std::vector<index_t> all(candidates.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<index_t>(i);
@@ -48,6 +50,9 @@ bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E
   result.mesh = std::move(assembly.mesh);
   result.mesh.faces.clear();
   result.assembly = assembly.statistics;
+  result.candidate_of = std::move(assembly.candidate_of);
+  for (index_t& candidate : result.candidate_of)
+    if (candidate != no_index) candidate = selection.members[candidate];
   for (const index_t v : assembly.vertex_of)
     result.vertex_numbers.push_back(v == no_index ? first_new++ : patch.vertex_number[v]);
   for (const index_t v : assembly.moved) result.moved.push_back(assembly.result_of[v]);
