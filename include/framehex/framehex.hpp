@@ -137,4 +137,5 @@
 #include "framehex/pipeline/meshing_result.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
 #include "framehex/pipeline/recombine.hpp"
+#include "framehex/pipeline/recombine_by_parts.hpp"
 #include "framehex/pipeline/recombine_into.hpp"
