@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-scripts/setup.sh libopenmpi-dev openmpi-bin
+scripts/setup.sh libopenmpi-dev openmpi-bin libptscotch-dev
 cmake --preset mpi
 cmake --build --preset mpi
 ctest --preset mpi

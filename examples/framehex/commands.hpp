@@ -14,6 +14,8 @@ bool recombine(const Options& options, const framehex::Observer& observer);
 bool plane(const Options& options, const framehex::Observer& observer);
 bool shell(const Options& options, const framehex::Observer& observer);
 bool field(const Options& options, const framehex::Observer& observer);
+/// The whole of a run over MPI: one line on failure, by the first rank. @return the exit status, the same on all ranks.
+int run_distributed(Options options);
 bool inspect(const Options& options);                                         // and view, which writes a page besides
 bool inspect_faces(const Options& options, const framehex::MixedMesh& mesh);  // a mesh without a volume
 

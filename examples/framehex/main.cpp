@@ -40,8 +40,27 @@ std::string line_of(const framehex::error& e, const Options& options) {
   return text;
 }
 
+/// Refuses what the parts of a mesh cannot be asked for.
+void check_distributed(const Options& options) {
+  if (options.command != Command::recombine)
+    throw framehex::io_error(options.output + ": is written by `recombine`, over MPI");
+#ifndef FRAMEHEX_PROGRAM_MPI
+  throw framehex::io_error(options.output + ": is written over MPI, which this program was built without");
+#endif
+  if (options.ignore_faces || options.ignore_edges || options.compress || options.quadratic)
+    throw framehex::invalid_option(
+        options.output + ": --ignore-faces, --ignore-edges, --compress and --quadratic are not for parts of a mesh");
+}
+
 int run_safely(const Options& options) {
   try {
+    if (is_distributed(options)) {
+      check_distributed(options);
+#ifdef FRAMEHEX_PROGRAM_MPI
+      return run_distributed(options);
+#endif
+    }
+    if (options.with_field) throw framehex::invalid_option("--field is for a .pvtu file");
     check_outputs(options);
     const Interruption interruption({options.output, options.report, options.crosses});
     const bool complete = run(options, make_observer(interruption, !options.quiet));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 
@@ -220,12 +221,16 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_output(
       recombine, options,
       "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX), a folder polyMesh (OpenFOAM), or .html, a "
-      "page that shows it");
+      "page that shows it; over MPI .pvtu, a piece for each rank");
   add_regions(recombine, options);
   recombine.add_flag("--ignore-faces", options.ignore_faces,
                      "Labelled faces within a region are none: cells may swallow them");
   recombine.add_flag("--ignore-edges", options.ignore_edges, "Labelled edges are none: cells may swallow them");
   add_recombination(recombine, options);
+  recombine.add_flag("--field", options.with_field, "Write the frame field at the vertices as well, to a .pvtu file");
+  recombine.add_option("--part-size", options.part_size, "Tetrahedra of a part, at most, for a .pvtu file")
+      ->check(in_range(1, 4e9, "a number of tetrahedra"))
+      ->capture_default_str();
   add_run(recombine, options);
 
   CLI::App& plane = *app.add_subcommand("plane", "Mesh a planar domain with quadrilaterals");
@@ -291,6 +296,10 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   return options;
 }
 
+bool is_distributed(const Options& options) {
+  return std::filesystem::path(options.output).extension() == ".pvtu";
+}
+
 nlohmann::ordered_json to_json(const Options& options) {
   nlohmann::ordered_json json;
   const bool is_mesh = options.command == Command::mesh, is_field = options.command == Command::field;
@@ -337,6 +346,8 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (options.command == Command::recombine) {
     json["ignore_faces"] = options.ignore_faces;
     json["ignore_edges"] = options.ignore_edges;
+    if (is_distributed(options)) json["part_size"] = options.part_size;
+    if (is_distributed(options)) json["field"] = options.with_field;
   }
   if (options.command != Command::inspect && options.command != Command::view && !is_quads)
     json["threads"] = options.threads;

@@ -43,12 +43,17 @@ struct Options {
   std::string msh = "4.1", pyramids = "own";        // how .msh and .inp are written
   std::string bodies = "void";                      // what parts of the surface within others are
   bool quadratic = false;                           // a node on each edge
+  std::size_t part_size = 250000;                   // tetrahedra of a part, over MPI
+  bool with_field = false;                          // frames at the vertices, over MPI
   bool ignore_faces = false, ignore_edges = false;  // labels of the input
 };
 
 /// Reads the command line. On --help and --version, and on a command line that makes no sense, it prints and returns
 /// nothing, with the exit status in `exit_status`.
 std::optional<Options> parse(int argc, char** argv, int& exit_status);
+
+/// Whether the mesh is to be written in parts, each by a rank: as .pvtu.
+bool is_distributed(const Options& options);
 
 /// Those that bear on the command, for the report.
 nlohmann::ordered_json to_json(const Options& options);

@@ -144,6 +144,29 @@ TEST_CASE("pieces without numbers join where their points lie at one place, and 
   }
 }
 
+TEST_CASE("partitions as Gmsh saves them: parts of entities have groups, ghosts are left out") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  if (transport.rank() == 0) {
+    // Two tetrahedra on both sides of a triangle, each in a partition and with the other as a ghost.
+    const std::string head =
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 2\n1 0 0 0 1 1 1 1 7 0\n2 0 0 -1 1 1 0 1 9 0\n"
+        "$EndEntities\n$PartitionedEntities\n2\n1\n9 1\n0 0 0 2\n5 3 1 1 1 0 0 0 1 1 1 1 7 0\n"
+        "6 3 2 1 2 0 0 -1 1 1 0 1 9 0\n$EndPartitionedEntities\n$Nodes\n1 5 1 5\n3 5 0 5\n1\n2\n3\n4\n5\n"
+        "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 -1\n$EndNodes\n$Elements\n2 2 1 2\n3 5 4 1\n11 1 2 3 4\n3 6 4 1\n"
+        "12 1 3 2 5\n$EndElements\n$GhostElements\n2\n11 1 1 2\n12 2 1 1\n$EndGhostElements\n";
+    std::ofstream(folder / "two_1.msh") << head;
+    std::ofstream(folder / "two_2.msh") << head;
+  }
+  transport.agree();
+  const ReadPart read = read_parts(folder / "two.msh", transport);
+  distributed::validate(read.part, transport);
+  CHECK(all_cells(transport, read.part.mesh).size() == 2);
+  std::vector<index_t> regions = distributed::detail::gathered(transport, read.regions);
+  std::sort(regions.begin(), regions.end());
+  CHECK((regions == std::vector<index_t>{6, 8}));
+}
+
 TEST_CASE("a file is dealt out with its numbers, and what cannot be read is one error on all ranks") {
   const MpiTransport transport(MPI_COMM_WORLD);
   const SharedFolder folder(transport);

@@ -72,6 +72,29 @@ double largest_difference(const std::vector<Quaternion>& a, const std::vector<Qu
   return largest;
 }
 
+/// @return how many small loops were removed.
+std::size_t check_field(const MpiTransport& transport, const IndexedTetMesh& mesh, const MeshFieldOptions& options) {
+  FieldReport report;
+  const auto serial = compute_frame_field(mesh, options, SerialExecutor{}, &report);
+  for (const test::Dealing& dealing : test::dealings()) {
+    INFO(dealing.name);
+    const auto ranks = dealing.ranks(mesh, transport.n_ranks());
+    const test::IndexedPart part = test::part_of(mesh, ranks, transport.rank());
+    const DistributedField field = distributed::compute_frame_field(part, transport, options);
+    const auto frames = whole_frames(transport, mesh, part, field);
+    CHECK(largest_difference(frames, serial.frames()) == 0);
+    for (std::size_t v = 0; v < part.vertex_ids.size(); ++v) {
+      const auto id = static_cast<std::size_t>(part.vertex_ids[v]);
+      REQUIRE(std::abs(field.smoothness[v] - serial.smoothness()[id]) < 1e-9);
+      REQUIRE((field.constraints[v] == serial.constraints()[id]));
+    }
+    CHECK(field.report.removed_loops == report.removed_loops);
+    CHECK(field.report.smoothing.sweeps.size() == report.smoothing.sweeps.size());
+    CHECK(field.report.diffusion.steps == report.diffusion.steps);
+  }
+  return report.removed_loops;
+}
+
 }  // namespace
 
 TEST_CASE("fields are those of the whole mesh, for all methods, meshes and ways to deal it out") {
@@ -81,24 +104,33 @@ TEST_CASE("fields are those of the whole mesh, for all methods, meshes and ways 
                                   {"dome", test::dome_mesh(12)}};
   for (const Named& named : meshes)
     for (const FieldMethod method : {FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best}) {
-      const MeshFieldOptions options{.field = {.method = method}};
-      FieldReport report;
-      const auto serial = compute_frame_field(named.mesh, options, SerialExecutor{}, &report);
-      for (const test::Dealing& dealing : test::dealings()) {
-        INFO(named.name << ", method " << static_cast<int>(method) << ", " << dealing.name);
-        const auto ranks = dealing.ranks(named.mesh, transport.n_ranks());
-        const test::IndexedPart part = test::part_of(named.mesh, ranks, transport.rank());
-        const DistributedField field = distributed::compute_frame_field(part, transport, options);
-        const auto frames = whole_frames(transport, named.mesh, part, field);
-        CHECK(largest_difference(frames, serial.frames()) == 0);
-        for (std::size_t v = 0; v < part.vertex_ids.size(); ++v) {
-          const auto id = static_cast<std::size_t>(part.vertex_ids[v]);
-          REQUIRE(std::abs(field.smoothness[v] - serial.smoothness()[id]) < 1e-9);
-          REQUIRE((field.constraints[v] == serial.constraints()[id]));
-        }
-        CHECK(field.report.removed_loops == report.removed_loops);
-        CHECK(field.report.smoothing.sweeps.size() == report.smoothing.sweeps.size());
-        CHECK(field.report.diffusion.steps == report.diffusion.steps);
-      }
+      INFO(named.name << ", method " << static_cast<int>(method));
+      check_field(transport, named.mesh, {.field = {.method = method}});
     }
+}
+
+TEST_CASE("small loops that a rough field has are removed as in the whole mesh") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  MeshFieldOptions rough;
+  rough.field.diffusion = {.max_steps = 0, .tolerance = 0.5};
+  rough.field.polish.max_sweeps = rough.field.polish.max_local_iterations = 1;
+  CHECK(check_field(transport, test::cylinder_mesh(8, 8, 1, 2), rough) > 0);
+  check_field(transport, renumbered(test::cylinder_mesh(12, 12, 1, 2)), rough);
+}
+
+TEST_CASE("frames follow facets between regions") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const IndexedTetMesh mesh = test::ball_mesh(8);
+  std::vector<index_t> regions;
+  for (const auto& tet : mesh.tets) regions.push_back(mesh.points[tet[0]].x() + mesh.points[tet[3]].x() > 0.1 ? 4 : 2);
+  MeshFieldOptions options;
+  options.regions = regions;
+  const auto serial = compute_frame_field(mesh, options);
+  const test::IndexedPart part =
+      test::part_of(mesh, test::dealings()[1].ranks(mesh, transport.n_ranks()), transport.rank());
+  std::vector<index_t> mine;
+  for (const std::int64_t c : part.cell_ids) mine.push_back(regions[static_cast<std::size_t>(c)]);
+  options.regions = mine;
+  const DistributedField field = distributed::compute_frame_field(part, transport, options);
+  CHECK(largest_difference(whole_frames(transport, mesh, part, field), serial.frames()) == 0);
 }

@@ -139,6 +139,7 @@ TEST_CASE("recombined parts are those of one process, whoever holds which cells,
       CHECK((all_cells(transport, result.mesh) == expected));
       CHECK(result.n_chosen == serial.n_chosen);
       CHECK(result.weight == serial.weight);
+      CHECK(result.bound == serial.bound);
       check_shared(transport, result);
       const MixedMesh mesh = joined(transport, result);
       CHECK(bool(verify::is_conforming(mesh)));

@@ -6,6 +6,8 @@
 #include "framehex/parts/transport.hpp"
 
 #include <algorithm>
+#include <array>
+#include <ctime>
 #include <limits>
 #include <memory>
 #include <thread>
@@ -17,6 +19,7 @@ struct Traffic {
   std::int64_t messages = 0;     ///< from rank to rank; to itself not counted
   std::int64_t bytes = 0;        ///< in them
   std::int64_t collectives = 0;  ///< calls in which all ranks took part
+  double seconds = 0;            ///< processor time within the calls, most of it spent on waiting
 };
 
 /// Transport over MPI, in which errors agree: every call begins by asking all ranks whether one has failed. If so, all
@@ -44,6 +47,7 @@ public:
     for (const Parcel& p : parcels)
       if (p.rank < 0 || p.rank >= n_ranks())
         throw invalid_option("a parcel to rank " + std::to_string(p.rank) + " of " + std::to_string(n_ranks()));
+    const Watch watch(state_->traffic);
     // No rank sends before all are out of the last exchange: its messages cannot be taken for those of this one.
     agree();
     std::vector<Parcel> arrived;
@@ -66,6 +70,7 @@ public:
 
   /// Everybody's bytes, by rank, for everybody. @throws remote_error
   std::vector<std::vector<std::byte>> gather(std::span<const std::byte> bytes) const {
+    const Watch watch(state_->traffic);
     agree();
     const auto n = static_cast<std::size_t>(n_ranks());
     std::vector<std::int64_t> sizes(n);
@@ -109,6 +114,19 @@ private:
   struct State {
     Communicator communicator;
     Traffic traffic;
+  };
+
+  /// Adds the processor time of its life.
+  class Watch {
+  public:
+    explicit Watch(Traffic& traffic) : traffic_(traffic) {}
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    ~Watch() { traffic_.seconds += static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC; }
+
+  private:
+    Traffic& traffic_;
+    std::clock_t begin_ = std::clock();
   };
 
   static constexpr int last_tag = 0, more_tag = 1;  ///< of a cut parcel's pieces
@@ -167,6 +185,7 @@ private:
 
   template <class Value>
   void reduce(std::span<Value> values, MPI_Datatype type, MPI_Op operation) const {
+    const Watch watch(state_->traffic);
     agree();
     constexpr std::size_t largest = std::size_t{1} << 27;
     for (std::size_t first = 0; first < values.size(); first += largest) {

@@ -42,15 +42,35 @@ inline std::vector<std::filesystem::path> piece_files(const std::filesystem::pat
 /// A piece, without the cells that another has.
 struct Piece {
   IndexedTetMesh mesh;
-  VtuPieceArrays arrays;
+  VtuPieceArrays arrays;         ///< cells of the volume that stay
   std::vector<index_t> regions;  ///< per cell
 };
 
-inline Piece read_piece(const std::filesystem::path& path) {
+/// The file of a partition of Gmsh's, its ghosts marked as in a .vtu.
+inline MixedMesh read_msh_partition(const std::filesystem::path& path, std::int64_t partition, VtuPieceArrays& arrays) {
+  MshPieceArrays read;
+  MixedMesh mesh = read_msh_piece(path, read);
+  std::vector<std::int64_t> ghosts;
+  for (const MshPieceArrays::Ghost& ghost : read.ghosts)
+    if (ghost.partition != partition) ghosts.push_back(ghost.element);
+  std::sort(ghosts.begin(), ghosts.end());
+  for (const std::int64_t cell : read.cell_numbers)
+    arrays.ghosts.push_back(std::binary_search(ghosts.begin(), ghosts.end(), cell));
+  arrays.point_numbers = std::move(read.point_numbers);
+  return mesh;
+}
+
+/// @param number  of the file among the pieces, from 0.
+inline Piece read_piece(const std::filesystem::path& path, std::size_t number) {
   Piece piece;
-  const bool is_vtu = framehex::detail::lower_text(path.extension().string()) == ".vtu";
-  const MixedMesh mesh =
-      is_vtu ? read_vtu_piece(path, piece.arrays) : read_mesh(path, {.volume = Volume::optional, .regions = {}});
+  const std::string extension = framehex::detail::lower_text(path.extension().string());
+  MixedMesh mesh;
+  if (extension == ".vtu")
+    mesh = read_vtu_piece(path, piece.arrays);
+  else if (extension == ".msh")
+    mesh = read_msh_partition(path, static_cast<std::int64_t>(number) + 1, piece.arrays);
+  else
+    throw io_error(path.string() + ": pieces are .vtu or .msh");
   piece.mesh.points = mesh.points;
   std::vector<std::int64_t> numbers;
   for (std::size_t c = 0; c < mesh.n_cells(); ++c) {
@@ -74,7 +94,7 @@ inline ReadPart read_pieces(const MpiTransport& transport, const std::vector<std
   std::vector<Piece> pieces;
   std::vector<std::int64_t> counts(2 * files.size() + 2, 0);  // points and cells of each, files that tell their numbers
   for (std::size_t i = first; i < last; ++i) {
-    const Piece& piece = pieces.emplace_back(read_piece(files[i]));
+    const Piece& piece = pieces.emplace_back(read_piece(files[i], i));
     counts[2 * i] = static_cast<std::int64_t>(piece.mesh.points.size());
     counts[2 * i + 1] = static_cast<std::int64_t>(piece.mesh.tets.size());
     counts[2 * files.size()] += piece.arrays.point_numbers.size() == piece.mesh.points.size();
@@ -183,8 +203,9 @@ inline ReadPart deal_out(const MpiTransport& transport, const std::filesystem::p
 /// Reads a tetrahedral mesh into parts. Collective. Needs pugixml, zlib and liblzma.
 ///
 /// The pieces of a .pvtu, or of NAME_1.msh, NAME_2.msh... (as Gmsh saves a partitioned NAME.msh, each partition in a file)
-/// are read by the ranks one after the other; cells marked in the array vtkGhostType are left out. Points of several
-/// pieces are one where their GlobalPointIds are, or, without these, where they lie at one place to the last bit. Any other
+/// are read by the ranks one after the other; cells marked in the array vtkGhostType, or as Gmsh's ghosts, are left out.
+/// Points of several pieces are one where their GlobalPointIds, or nodes' numbers, are, or, without these, where they lie
+/// at one place to the last bit. Any other
 /// file (`read_mesh`) is read by the first rank, which must hold it, and dealt out in the order of its cells.
 ///
 /// @param region_array  array by cell that holds the labels, of a file that is dealt out; empty: one of the usual names.

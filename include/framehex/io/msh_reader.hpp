@@ -10,13 +10,27 @@
 
 namespace framehex {
 
+/// The numbers by which the files of a partitioned mesh agree.
+struct MshPieceArrays {
+  /// An element that a file holds for those that touch it; it belongs to another partition.
+  struct Ghost {
+    std::int64_t element, partition;
+  };
+
+  std::vector<std::int64_t> point_numbers;  ///< by point
+  std::vector<std::int64_t> cell_numbers;   ///< by cell of the volume
+  std::vector<Ghost> ghosts;
+};
+
 namespace detail {
 
 class MshReader {
 public:
   MshReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
 
-  MixedMesh read(Volume volume) {
+  /// @param arrays  receives what it has when not null.
+  MixedMesh read(Volume volume, MshPieceArrays* arrays = nullptr) {
+    arrays_ = arrays;
     if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
     read_format();
     for (std::string_view section = next_section(); !section.empty(); section = next_section()) {
@@ -27,7 +41,11 @@ public:
       else if (section == "$Elements")
         version_ == 2 ? read_elements_2() : read_elements_4();
       else if (section == "$Entities" && version_ == 4)
-        read_entities_4();
+        read_entities_4(section);
+      else if (section == "$PartitionedEntities" && version_ == 4)
+        read_entities_4(section);
+      else if (section == "$GhostElements" && version_ == 4 && arrays_)
+        read_ghosts();
       else
         skip_section(section);
     }
@@ -143,6 +161,7 @@ private:
     if (!index_of_tag_.try_emplace(tag, static_cast<std::int64_t>(builder_.n_points())).second)
       in_.fail("node " + std::to_string(tag) + " stands twice");
     builder_.add_point(x, y, z);
+    if (arrays_) arrays_->point_numbers.push_back(tag);
   }
 
   void add_element(const ElementType& type, std::span<std::int64_t> tags, std::int64_t label, std::int64_t number) {
@@ -156,6 +175,7 @@ private:
       tag = found->second;
     }
     builder_.add(type.dimension, type.kind, tags, label, static_cast<std::size_t>(number));
+    if (arrays_ && type.dimension == 3) arrays_->cell_numbers.push_back(number);
   }
 
   void read_nodes_2(std::string_view section) {
@@ -198,12 +218,20 @@ private:
     end_section("$EndElements");
   }
 
-  void read_entities_4() {
+  /// Entities, or, of a mesh in partitions, their parts, which have their groups.
+  void read_entities_4(std::string_view section) {
+    const bool in_parts = section == "$PartitionedEntities";
+    if (in_parts) {
+      get_size("the number of partitions");
+      const std::size_t n_ghosts = get_count("the number of ghost entities");
+      for (std::size_t i = 0; i < 2 * n_ghosts; ++i) get_int("a ghost entity");
+    }
     std::array<std::size_t, 4> n{};
     for (std::size_t& count : n) count = get_count("a number of entities");
     for (int dimension = 0; dimension < 4; ++dimension)
       for (std::size_t i = 0; i < n[static_cast<std::size_t>(dimension)]; ++i) {
         const std::int64_t tag = get_int("an entity's number");
+        if (in_parts) skip_parents();
         for (int x = 0; x < (dimension == 0 ? 3 : 6); ++x) get<double>("a coordinate");
         std::vector<std::int64_t>& groups = groups_[{dimension, tag}];
         groups.resize(get_count("the number of physical groups"));
@@ -212,8 +240,26 @@ private:
         const std::size_t n_bounding = get_count("the number of bounding entities");
         for (std::size_t b = 0; b < n_bounding; ++b) get_int("a bounding entity");
       }
-    end_section("$EndEntities");
+    end_section(in_parts ? "$EndPartitionedEntities" : "$EndEntities");
     label_entities();
+  }
+
+  /// Of which entity something is a part, and in which partitions.
+  void skip_parents() {
+    for (int i = 0; i < 2; ++i) get_int("a parent entity");
+    const std::size_t n_partitions = get_count("the number of partitions");
+    for (std::size_t i = 0; i < n_partitions; ++i) get_int("a partition");
+  }
+
+  void read_ghosts() {
+    const std::size_t n = get_count("the number of ghost elements");
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto element = static_cast<std::int64_t>(get_size("an element's number"));
+      arrays_->ghosts.push_back({element, get_int("a partition")});
+      const std::size_t n_partitions = get_count("the number of partitions");
+      for (std::size_t p = 0; p < n_partitions; ++p) get_int("a partition");
+    }
+    end_section("$EndGhostElements");
   }
 
   /// Entities of the same groups have one label: the group's number where it is one, else the first group's or, where
@@ -286,6 +332,7 @@ private:
 
   Cursor in_;
   MeshBuilder builder_;
+  MshPieceArrays* arrays_ = nullptr;
   int version_ = 0;
   bool binary_ = false;
   std::endian order_ = std::endian::native;
@@ -309,6 +356,14 @@ private:
 inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Volume::required) {
   const std::string bytes = read_file(path);
   return detail::MshReader(path.string(), bytes).read(volume);
+}
+
+/// Reads the file of a partition, which may hold no cell.
+///
+/// @throws as `read_msh`.
+inline MixedMesh read_msh_piece(const std::filesystem::path& path, MshPieceArrays& arrays) {
+  const std::string bytes = read_file(path);
+  return detail::MshReader(path.string(), bytes).read(Volume::optional, &arrays);
 }
 
 }  // namespace framehex

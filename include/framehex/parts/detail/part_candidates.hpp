@@ -29,14 +29,14 @@ PotentialHexahedra find_candidates_at(const TetPatch& patch, std::span<const ind
   options.feature_edges = {};
   options.free_tets = {};
   const PotentialHexFinder<IndexedTetMesh> finder(patch.mesh, options);
-  constexpr std::size_t block_size = 64, blocks_at_once = 256;
+  constexpr std::size_t vertices_a_block = 64, blocks_at_once = 256;
   PotentialHexahedra all;
-  const std::size_t n_blocks = (vertices.size() + block_size - 1) / block_size;
+  const std::size_t n_blocks = (vertices.size() + vertices_a_block - 1) / vertices_a_block;
   for (std::size_t first = 0; first < n_blocks; first += blocks_at_once) {
     std::vector<PotentialHexahedra> found(std::min(blocks_at_once, n_blocks - first));
     executor(found.size(), [&](std::size_t block, std::size_t) {
-      const std::size_t begin = (first + block) * block_size;
-      for (const index_t v : vertices.subspan(begin, std::min(block_size, vertices.size() - begin)))
+      const std::size_t begin = (first + block) * vertices_a_block;
+      for (const index_t v : vertices.subspan(begin, std::min(vertices_a_block, vertices.size() - begin)))
         append(found[block], finder.find_at(v));
     });
     for (PotentialHexahedra& some : found) {

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Runs the program over MPI: check_program.py FRAMEHEX MPIRUN...
+
+The same cells and frames on 1, 2, 3 and 5 ranks; the joined mesh is sound by `inspect`; a rank that is killed, a full
+disk and a NaN in one piece end with a message, and leave no file.
+"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import meshio
+import numpy as np
+
+FRAMEHEX, MPIRUN = sys.argv[1], sys.argv[2:]
+ORDERS = [(0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)]
+
+
+def lattice(n, seed=1):
+    """A cube of n^3 cubes, six tetrahedra each, its inner vertices moved."""
+    number = np.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
+    points = np.stack(np.meshgrid(*3 * [np.arange(n + 1.0)], indexing="ij"), -1).reshape(-1, 3)
+    inner = ((points > 0) & (points < n)).all(1)
+    points[inner] += np.random.default_rng(seed).uniform(-0.1, 0.1, (inner.sum(), 3))
+    tets = []
+    for corner in np.ndindex(n, n, n):
+        for o, order in enumerate(ORDERS):
+            at, tet = list(corner), [number[corner]]
+            for axis in order:
+                at[axis] += 1
+                tet.append(number[tuple(at)])
+            if o >= 3:
+                tet[2], tet[3] = tet[3], tet[2]
+            tets.append(tet)
+    return with_centres(points, np.array(tets), np.random.default_rng(seed).random(n**3) < 0.2)
+
+
+def with_centres(points, tets, has_centre):
+    """Cubes with a vertex in the middle, round which twelve tetrahedra stand: not all become hexahedra."""
+    kept, centres = [], []
+    for cube, six in enumerate(tets.reshape(-1, 6, 4)):
+        if not has_centre[cube]:
+            kept.extend(six)
+            continue
+        faces = {}
+        for a, b, c, d in six:
+            for face in ((b, c, d), (a, d, c), (a, b, d), (a, c, b)):  # anticlockwise seen from outside
+                faces.setdefault(tuple(sorted(face)), []).append(face)
+        kept.extend((a, c, b, len(points) + len(centres)) for (a, b, c), *others in faces.values() if not others)
+        centres.append(points[np.unique(six)].mean(0))
+    return np.concatenate([points, np.array(centres)]), np.array(kept)
+
+
+def command(n_ranks, source, output, *more):
+    return [*MPIRUN, "-n", str(n_ranks), FRAMEHEX, "recombine", str(source), "-o", str(output), "--quiet", *more]
+
+
+def pieces(path, n_ranks):
+    return [meshio.read(path.with_name(f"{path.stem}_{rank}.vtu")) for rank in range(n_ranks)]
+
+
+def cells_and_frames(path, n_ranks):
+    """Cells as tuples of corners' places, and frames by place; and all as one mesh."""
+    cells, frames, points, joined = [], {}, {}, {}
+    for piece in pieces(path, n_ranks):
+        ids = piece.point_data["GlobalPointIds"]
+        for v, p in enumerate(piece.points):
+            if points.setdefault(ids[v], tuple(p)) != tuple(p):
+                sys.exit(f"{path}: point {ids[v]} has two places")
+            if piece.point_data["vtkGhostType"][v] == 0:
+                frames[tuple(p)] = tuple(piece.point_data["frame"][v])
+        for block, ghosts in zip(piece.cells, piece.cell_data["vtkGhostType"]):
+            for row in block.data[np.asarray(ghosts) == 0]:
+                cells.append((block.type, *(tuple(piece.points[v]) for v in row)))
+                joined.setdefault(block.type, []).append([ids[v] for v in row])
+    order = sorted(points)
+    place = {v: i for i, v in enumerate(order)}
+    mesh = meshio.Mesh(np.array([points[v] for v in order]),
+                       [(kind, np.vectorize(place.get)(np.array(rows))) for kind, rows in joined.items()])
+    return sorted(cells), frames, mesh
+
+
+def leftovers(folder, keep):
+    return sorted(p.name for p in folder.iterdir() if p.name not in keep)
+
+
+def check_same(folder):
+    points, tets = lattice(9)
+    meshio.Mesh(points, [("tetra", tets)]).write(folder / "in.vtu")
+    expected = None
+    for n_ranks in (1, 2, 3, 5):
+        out = folder / f"out{n_ranks}.pvtu"
+        subprocess.run(command(n_ranks, folder / "in.vtu", out, "--field", "--part-size", "900"), check=True)
+        cells, frames, mesh = cells_and_frames(out, n_ranks)
+        expected = expected or (cells, frames)
+        assert cells == expected[0], f"other cells on {n_ranks} ranks"
+        assert frames.keys() == expected[1].keys()
+        for p, frame in frames.items():
+            assert np.array_equal(frame, expected[1][p], equal_nan=True), f"another frame on {n_ranks} ranks at {p}"
+        mesh.write(folder / "joined.vtu")
+        subprocess.run([FRAMEHEX, "inspect", folder / "joined.vtu", "--report", folder / "report.json"], check=True,
+                       stdout=subprocess.DEVNULL)
+        report = json.loads((folder / "report.json").read_text())
+        assert not report["quality"]["invalid_cells"] and report["conformity"]["open_quads"] == 0
+        assert report["conformity"]["other_bad_faces"] == 0 and report["conformity"]["open_boundary_edges"] == 0
+        assert abs(report["quality"]["volume"] - 9**3) < 1e-9, report["quality"]["volume"]
+    kinds = {kind: sum(cell[0] == kind for cell in expected[0]) for kind in ("tetra", "pyramid", "wedge", "hexahedron")}
+    print(f"the same on all ranks: {kinds}")
+
+
+def failed(run, folder, keep, *words):
+    text = run.stderr + run.stdout
+    assert run.returncode != 0, text
+    for word in words:
+        assert word in text, f"no '{word}' in: {text}"
+    assert not leftovers(folder, keep), leftovers(folder, keep)
+
+
+def check_failures(folder):
+    points, tets = lattice(6)
+    half = len(tets) // 2
+    for name, some in (("a.vtu", tets[:half]), ("b.vtu", tets[half:])):
+        meshio.Mesh(points, [("tetra", some)]).write(folder / name)
+    (folder / "in.pvtu").write_text("<VTKFile type='PUnstructuredGrid'><PUnstructuredGrid><Piece Source='a.vtu'/>"
+                                    "<Piece Source='b.vtu'/></PUnstructuredGrid></VTKFile>")
+    keep = {"a.vtu", "b.vtu", "in.pvtu"}
+
+    (folder / "out_1.vtu").symlink_to("/dev/full")
+    run = subprocess.run(command(2, folder / "in.pvtu", folder / "out.pvtu"), capture_output=True, text=True)
+    failed(run, folder, keep | {"out_1.vtu"}, "rank 1: ", "No space left on device")
+    (folder / "out_1.vtu").unlink()
+
+    broken = points.copy()
+    broken[17, 1] = np.nan
+    meshio.Mesh(broken, [("tetra", tets[half:])]).write(folder / "b.vtu")
+    run = subprocess.run(command(2, folder / "in.pvtu", folder / "out.pvtu"), capture_output=True, text=True)
+    failed(run, folder, keep, "rank 1: ", "vertex 17", "not finite")
+
+
+def ranks_below(pid):
+    """The processes that mpirun has started, however it was started itself."""
+    found = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(pid)], capture_output=True, text=True).stdout
+    children = [line.split() for line in found.splitlines()]
+    ranks = [int(child) for child, name in children if name.startswith("framehex")]
+    return ranks or [rank for child, _ in children for rank in ranks_below(int(child))]
+
+
+def check_killed(folder):
+    points, tets = lattice(24)
+    meshio.Mesh(points, [("tetra", tets)]).write(folder / "in.vtu")
+    run = subprocess.Popen(command(3, folder / "in.vtu", folder / "out.pvtu", "--part-size", "5000"),
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    time.sleep(4)
+    os.kill(ranks_below(run.pid)[1], signal.SIGKILL)
+    text, _ = run.communicate(timeout=60)
+    assert run.returncode != 0 and "rank 1" in text and "signal 9" in text, text
+    assert not leftovers(folder, {"in.vtu"}), leftovers(folder, {"in.vtu"})
+
+
+if __name__ == "__main__":
+    for check in (check_same, check_failures, check_killed):
+        with tempfile.TemporaryDirectory() as name:
+            check(pathlib.Path(name))
+        print(check.__name__, "passed")
