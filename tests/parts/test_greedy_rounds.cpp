@@ -4,6 +4,7 @@
 #include "framehex/parts/detail/halo.hpp"
 #include "framehex/parts/detail/part_candidates.hpp"
 #include "parts/part_fixtures.hpp"
+#include "support/jittered_delaunay.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -142,14 +143,15 @@ Found find_at_once(const IndexedTetMesh& given) {
 }  // namespace
 
 TEST_CASE("candidates and greedy selection of parts are those of the whole mesh") {
-  for (const double jitter : {0.0, 0.2}) {
-    const IndexedTetMesh mesh = test::jittered_kuhn(8, jitter);
+  const std::array<IndexedTetMesh, 3> meshes{test::jittered_kuhn(8, 0), test::jittered_kuhn(8, 0.2),
+                                             test::jittered_delaunay(7, 4, 0.35)};
+  for (const IndexedTetMesh& mesh : meshes) {
     const Found whole = find_at_once(mesh);
     REQUIRE(whole.taken.size() > 100);
     for (const std::size_t part_size : {50u, 400u, 100000u}) {
       std::multiset<Coordinates> improved;
       for (const int n_ranks : {1, 2, 3, 5}) {
-        CAPTURE(jitter, n_ranks, part_size);
+        CAPTURE(&mesh - meshes.data(), n_ranks, part_size);
         const Found parts =
             find_on_ranks(test::permuted(mesh, part_size + static_cast<std::size_t>(n_ranks)), n_ranks, part_size);
         CHECK(parts.candidates == whole.candidates);
