@@ -27,3 +27,4 @@ BENCHMARK_TEMPLATE(growth, test::FieldOfManyParts)->Apply(doublings<test::FieldO
 BENCHMARK_TEMPLATE(growth, test::SitesOnLongCurves)->Apply(doublings<test::SitesOnLongCurves>);
 BENCHMARK_TEMPLATE(growth, test::SearchAtVertices)->Apply(doublings<test::SearchAtVertices>);
 BENCHMARK_TEMPLATE(growth, test::RepairOfThinStrip)->Apply(doublings<test::RepairOfThinStrip>);
+BENCHMARK_TEMPLATE(growth, test::PrismsInRow)->Apply(doublings<test::PrismsInRow>);

@@ -6,6 +6,7 @@
 #include "framehex/io/surface_faults.hpp"
 #include "framehex/pipeline/memory_estimate.hpp"
 #include "framehex/surface/feature_carriers.hpp"
+#include "framehex/surface/narrow_features.hpp"
 #include "framehex/surface/regions.hpp"
 
 #include "commands.hpp"
@@ -153,6 +154,34 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
                         near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
 }
 
+/// @return the number of vertices merged.
+std::size_t merge_narrow(const Options& options, framehex::SoupSurface& soup, double least) {
+  framehex::MergedFeatures merged = framehex::merge_narrow_features(soup.surface, least);
+  if (merged.n_merged == 0) return 0;
+  char text[120];
+  std::snprintf(text, sizeof text, "features narrower than %.3g were merged: %zu vertices", least, merged.n_merged);
+  remark(options, text);
+  for (auto* of_triangles : {&soup.soup_triangles, &soup.polygons, &soup.patches}) {
+    if (of_triangles->empty()) continue;
+    std::vector<framehex::index_t> kept;
+    for (const framehex::index_t t : merged.parent) kept.push_back((*of_triangles)[t]);
+    *of_triangles = std::move(kept);
+  }
+  soup.surface = std::move(merged.surface);
+  return merged.n_merged;
+}
+
+/// Where cells came out poor, merging more may be what helps.
+void suggest_merging(const Options& options, const framehex::SoupSurface& soup, double size) {
+  const double least = size / 100;
+  const std::size_t n = framehex::merge_narrow_features(soup.surface, least).n_merged;
+  if (n == 0) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "--least-feature %.3g would merge narrower ledges, steps and grooves: %zu vertices",
+                least, n);
+  remark(options, text);
+}
+
 /// @throws framehex::invalid_option  when more memory is likely to be taken than is allowed.
 void check_memory(const Options& options, const framehex::SoupSurface& soup, const framehex::FeatureOptions& features,
                   const framehex::GradedSize& size) {
@@ -195,6 +224,9 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
   meshing.features.patches = soup.patches;
   nlohmann::ordered_json json_of_sizes;
   const framehex::GradedSize sizes = make_size(options, soup, meshing.features, json_of_sizes);
+  const double least_feature = options.least_feature.value_or(sizes.options().most / 1000);
+  const std::size_t n_merged = merge_narrow(options, soup, least_feature);
+  meshing.features.patches = soup.patches;
   check_memory(options, soup, meshing.features, sizes);
   meshing.field.method = field_method(options);
   meshing.order = options.order == "fifo"      ? framehex::PointOrder::fifo
@@ -231,8 +263,11 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                     {"tetrahedra", s.n_tets}};
   json.update(json_of_sizes);
   tell_exceptions(options, result, sizes.options().most, json);
+  if (!result.poor_cells.empty() && !options.least_feature) suggest_merging(options, soup, sizes.options().most);
   finish(json, options);
   json["options"]["size"] = sizes.options().most;
+  json["options"]["least_feature"] = least_feature;
+  json["merged_vertices"] = n_merged;
   const framehex::MeshData data{.cells = cell_arrays(measures),
                                 .points = {framehex::frame_array(result.frames), {"smoothness", result.smoothness}},
                                 .lines = result.singular_lines};

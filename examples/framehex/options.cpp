@@ -195,6 +195,11 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       ->expected(0, 1)
       ->excludes(bodies)
       ->default_str("1e-4");
+  mesh.add_option("--least-feature", options.least_feature,
+                  "Merge ledges, steps and grooves narrower than L, in the surface's unit; a thousandth of the size "
+                  "unless given, 0 for none")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("L");
   add_field(mesh, options);
   mesh.add_option(
           "--order", options.order,
@@ -326,6 +331,7 @@ nlohmann::ordered_json to_json(const Options& options) {
   if (is_quads) json["order"] = options.front_order;
   if (is_mesh) json["bodies"] = options.bodies;
   if (options.repair) json["repair"] = *options.repair;
+  if (options.least_feature) json["least_feature"] = *options.least_feature;
   if (is_mesh || options.command == Command::recombine) {
     json["floor"] = options.floor;
     json["select"] = options.select;

@@ -38,6 +38,7 @@ struct Options {
   bool improve = true;         // move and reconnect what is not a hexahedron
   bool quiet = false;
   std::optional<double> repair;                     // largest tolerance by the box's diagonal; empty: none
+  std::optional<double> least_feature;              // what is narrower is merged; empty: a thousandth of the size
   bool compress = false;                            // arrays of .vtu
   std::string msh = "4.1", pyramids = "own";        // how .msh and .inp are written
   std::string bodies = "void";                      // what parts of the surface within others are

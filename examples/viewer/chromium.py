@@ -15,7 +15,8 @@ import time
 FLAGS = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars",
-         "--remote-debugging-pipe"]
+         "--remote-debugging-pipe",
+         "--allow-pre-commit-input"]  # else input before the first frame is dropped, however long that takes
 
 
 class BrowserError(Exception):

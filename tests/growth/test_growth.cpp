@@ -32,7 +32,7 @@ double least_time(int n) {
 
 TEMPLATE_TEST_CASE("time grows with the size of the input and not with its square", "", test::SlidingOnLongCurves,
                    test::FramesOfNeedle, test::SelectionOfCycles, test::FieldOfManyParts, test::SitesOnLongCurves,
-                   test::RepairOfThinStrip) {
+                   test::RepairOfThinStrip, test::PrismsInRow) {
   const double once = least_time<TestType>(TestType::typical), fourfold = least_time<TestType>(4 * TestType::typical);
   INFO(once << " s and " << fourfold << " s for four times as much");
   // Quadratic time would make it sixteen times as long.

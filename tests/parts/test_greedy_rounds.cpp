@@ -78,6 +78,8 @@ Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_si
         own_codes.push_back(shifted.code(detail::centre_of_tet(input, t)));
       turns.run(Partition(transport, shifted, own_codes, part_size), 1);
     }
+    states.reopen();
+    states.exchange();
     if (!detail::GreedyRounds(transport, pool, graph, states).run([] { return false; }))
       throw std::runtime_error("stopped");
     const std::lock_guard lock(mutex);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/parts/recombine_in_parts.hpp"
-#include "framehex/pipeline/recombine.hpp"
+#include "framehex/pipeline/recombine_by_parts.hpp"
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"
 #include "parts/part_fixtures.hpp"
@@ -286,11 +286,10 @@ TEST_CASE("input of parts that is refused") {
   }
 }
 
-TEST_CASE("recombine goes by parts where it is told") {
+TEST_CASE("a mesh in one place is recombined by parts, with the tables of recombine") {
   const IndexedTetMesh mesh = test::jittered_delaunay(10, 8, 0.35);
   RecombineOptions options;
-  options.part_size = 1500;
-  const Recombination serial = recombine(mesh, options);
+  const Recombination serial = recombine_by_parts(mesh, options, 1500);
   check_sound(serial.mesh, 1000);
   CHECK(serial.selection.bound >= serial.selection.weight);
   CHECK(serial.selection.bound < 1.5 * serial.selection.weight);
@@ -298,7 +297,8 @@ TEST_CASE("recombine goes by parts where it is told") {
     return other.mesh.cells.values == serial.mesh.cells.values && other.mesh.kinds == serial.mesh.kinds &&
            other.mesh.points == serial.mesh.points;
   };
-  for (const std::size_t n_threads : {2u, 3u}) CHECK(same(recombine(mesh, options, ThreadExecutor(n_threads))));
+  for (const std::size_t n_threads : {2u, 3u})
+    CHECK(same(recombine_by_parts(mesh, options, 1500, ThreadExecutor(n_threads))));
 
   // The tables of the result.
   REQUIRE(serial.vertex_of.size() == serial.mesh.points.size());
@@ -333,7 +333,7 @@ TEST_CASE("recombine goes by parts where it is told") {
   CHECK(n_hexahedra <= serial.selection.members.size());
 
   options.assembly.vertex_numbers = VertexNumbers::compact;
-  const Recombination compact = recombine(mesh, options);
+  const Recombination compact = recombine_by_parts(mesh, options, 1500);
   std::vector<std::uint8_t> used(compact.mesh.points.size(), 0);
   for (const index_t v : compact.mesh.cells.values) used[v] = 1;
   CHECK(std::ranges::count(used, 0) == 0);

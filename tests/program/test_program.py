@@ -249,6 +249,25 @@ class TestBadSurfaces(Case):
         result = self.mesh("noise.stl", "--size", "1", "--repair", "1e-9")
         self.check_refused(result, "open along 36 edges")
 
+    def test_narrow_features(self):
+        profile = [(0, 0), (1, 0), (1, 1), (0.99, 1), (0.99, 2), (0, 2)]
+        n = len(profile)
+        points = [(x, y, z) for z in (0, 1) for x, y in profile]
+        triangles = [t for i in range(1, n - 1) for t in ((0, i + 1, i), (n, n + i, n + i + 1))]
+        for i in range(n):
+            j = (i + 1) % n
+            triangles += [(i, j, n + j), (i, n + j, n + i)]
+        write_stl(self.path("ledge.stl"), points, triangles)
+        for least, n_merged in (("0.005", 0), ("0.02", 2)):
+            with self.subTest(least):
+                result = self.mesh("ledge.stl", "--size", "0.5", "--least-feature", least)
+                self.assertEqual(result.returncode, 0, result)
+                self.assertEqual("were merged" in result.stderr, n_merged > 0, result.stderr)
+                self.assertEqual(json.loads((self.folder / "out.json").read_text())["merged_vertices"], n_merged)
+                volume = audit(self.path("out.vtu"))["volume"]
+                self.assertAlmostEqual(volume, 1.99, delta=0.0101 if n_merged else 1e-9)
+        self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 16})
+
     def test_size(self):
         write_stl(self.path("box.stl"), *box())
         for size in ("0", "-1", "nan", "inf", "1e9", "1e-9", "2"):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/assembly/detail/prism_chooser.hpp"
 #include "framehex/field/boundary_frames.hpp"
 #include "framehex/insertion/detail/curve_sites.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
@@ -166,6 +167,42 @@ struct RepairOfThinStrip {
   }
   std::size_t run() const {
     return retriangulate(surface, samples, {.max_deviation = std::numeric_limits<double>::infinity()}).n_added;
+  }
+};
+
+/// n prisms side by side, the heaviest in the middle, each of which fits better once a lighter neighbour has come.
+struct PrismsInRow {
+  static constexpr int typical = 500;
+  AssemblyOptions options;
+  std::vector<Vector3> points;
+  TetAdjacency adjacency;
+  PotentialPrisms prisms;
+
+  explicit PrismsInRow(int n) {
+    IndexedTetMesh mesh;
+    for (int i = 0; i < n + 2; ++i)
+      for (const double side : {0.0, 1.0 + 0.5 * std::min(i, n + 1 - i) / n})
+        mesh.points.emplace_back(0.5 * i, i % 2, side);
+    for (index_t i = 0; i < static_cast<index_t>(n); ++i) {
+      const auto at = [i](index_t column, index_t side) { return 2 * (i + column) + side; };
+      for (std::array<index_t, 4> tet :
+           {std::array{at(0, 0), at(1, 0), at(2, 0), at(2, 1)}, std::array{at(0, 0), at(1, 0), at(1, 1), at(2, 1)},
+            std::array{at(0, 0), at(0, 1), at(1, 1), at(2, 1)}}) {
+        if (orientation_determinant(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]],
+                                    mesh.points[tet[3]]) < 0)
+          std::swap(tet[0], tet[1]);
+        mesh.tets.push_back(tet);
+      }
+    }
+    points = mesh.points;
+    adjacency = make_adjacency(mesh);
+    prisms = detail::find_free_prisms(detail::ComplexBuilder(points, adjacency, options), adjacency, options,
+                                      {.quality_floor = 0.1});
+  }
+  std::size_t run() const {
+    detail::ComplexBuilder builder(points, adjacency, options);
+    detail::choose_prisms(builder, prisms, 1);
+    return builder.complex.cells.size();
   }
 };
 

@@ -70,10 +70,11 @@ public:
   /// A line of numbers; reals are the shortest decimals that read back as the same number.
   template <class... Numbers>
   void line(const Numbers&... numbers) {
-    char text[32 * sizeof...(numbers)];
+    constexpr std::size_t room = 32;  // a number takes 24 at most
+    char text[room * sizeof...(numbers)];
     char* end = text;
     const auto put = [&](const auto number) {
-      end = std::to_chars(end, text + sizeof text, number).ptr;
+      end = std::to_chars(end, end + room - 1, number).ptr;
       *end++ = ' ';
     };
     (put(numbers), ...);

@@ -77,7 +77,7 @@ public:
         if (static_cast<std::size_t>(counts[i]) <= part_size || level == n_splits)
           leaves_.push_back({open[i].first, counts[i]});
         else
-          for (const MortonCube::Code half : {MortonCube::Code{0}, MortonCube::Code{1}})
+          for (const auto half : {MortonCube::Code{0}, MortonCube::Code{1}})
             next.push_back({open[i].first + half * width(level + 1), level + 1});
       }
       open = std::move(next);

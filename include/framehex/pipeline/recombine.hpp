@@ -5,7 +5,6 @@
 #include "framehex/mesh/labels.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/option_ranges.hpp"
-#include "framehex/pipeline/detail/recombine_by_parts.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/recombination/detail/chosen.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
@@ -25,10 +24,6 @@ struct RecombineOptions {
   std::span<const LabelledFace> faces = {};  ///< triangles on the boundary or inside, with their patches; stay faces
   std::span<const LabelledEdge> edges = {};  ///< feature edges; they stay edges
   const TetAdjacency* adjacency = nullptr;   ///< of the mesh, by those who have checked it already; else null
-  /// Tetrahedra of a part, at most, where the mesh is recombined in parts; 0: as a whole. Parts are worked on by all
-  /// threads of the executor at the same time, and the result does not depend on the numbering. Meshes of one part, and
-  /// those with what parts do not offer (docs/parts.md), are recombined as a whole.
-  std::size_t part_size = 0;
   Observer observer = {};
 
   template <class Options, class Visit>
@@ -36,7 +31,6 @@ struct RecombineOptions {
     FinderOptions::each_number(o.finder, visit);
     SelectOptions::each_number(o.selection, visit);
     AssemblyOptions::each_number(o.assembly, visit);
-    visit("RecombineOptions::part_size", o.part_size, 0, unbounded);
   }
 };
 
@@ -67,49 +61,6 @@ inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const Labelled
   std::vector<std::array<index_t, 2>> pairs;
   for (const LabelledEdge& edge : edges) pairs.push_back(edge.vertices);
   return pairs;
-}
-
-inline bool can_go_by_parts(const RecombineOptions& options, std::size_t n_tets) {
-  return options.part_size > 0 && n_tets > options.part_size && options.faces.empty() && options.edges.empty() &&
-         !options.assembly.boundary_projection && options.assembly.interfaces == InterfaceMode::conforming &&
-         options.assembly.fit == CellFit::any && options.finder.free_tets.empty();
-}
-
-template <TetMesh M, Executor E>
-Recombination recombine_by_parts(const M& mesh, const TetAdjacency& adjacency, const RecombineOptions& options,
-                                 const E& executor) {
-  const std::vector<Vector3> points = positions(mesh);
-  std::vector<global_t> vertices(points.size()), cells(adjacency.tets.size());
-  std::iota(vertices.begin(), vertices.end(), global_t{0});
-  std::iota(cells.begin(), cells.end(), global_t{0});
-  PartsOptions how{.finder = options.finder,
-                   .selection = options.selection,
-                   .assembly = options.assembly,
-                   .part_size = options.part_size,
-                   .observer = options.observer};
-  how.finder.input_check = InputCheck::skip;
-  Recombination result;
-  PartRecombination part =
-      recombine_in_parts({points, adjacency.tets, vertices, cells, options.regions}, how, executor);
-  result.status = part.status;
-  if (part.status == Status::cancelled) return result;
-  result.n_candidates = static_cast<std::size_t>(part.n_candidates);
-  result.n_given_up = static_cast<std::size_t>(part.n_given_up);
-  result.selection.members = std::move(part.chosen);
-  result.selection.weight = part.weight;
-  result.selection.bound = part.bound;
-  result.seconds.search = part.search_seconds;
-  result.seconds.selection = part.selection_seconds;
-  result.seconds.assembly = part.assembly_seconds;
-  Assembly assembly = PartsJoiner(points, adjacency, options.assembly.vertex_numbers, std::move(part)).take();
-  result.mesh = std::move(assembly.mesh);
-  result.vertex_of = std::move(assembly.vertex_of);
-  result.result_of = std::move(assembly.result_of);
-  result.moved = std::move(assembly.moved);
-  result.candidate_of = std::move(assembly.candidate_of);
-  result.cell_of = std::move(assembly.cell_of);
-  result.assembly = assembly.statistics;
-  return result;
 }
 
 }  // namespace detail
@@ -143,8 +94,6 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : validated;
   check_regions(adjacency, options.regions);
   check_labelled_edges(adjacency, options.edges);
-  if (detail::can_go_by_parts(options, adjacency.tets.size()))
-    return detail::recombine_by_parts(mesh, adjacency, options, executor);
   std::vector<std::array<index_t, 4>> patches;
   if (!options.faces.empty()) patches = facet_labels(adjacency, options.faces);
   const auto feature_edges = detail::vertex_pairs(options.edges);

@@ -5,6 +5,7 @@
 #include "framehex/selection/detail/occupancy.hpp"
 
 #include <limits>
+#include <numeric>
 
 namespace framehex {
 
@@ -60,25 +61,33 @@ auto heavier_first(const G& graph, Key&& key) {
 /// @param stop  asked now and then; when it says so, the rest is left out.
 template <ConflictSource G, class Key, class Stop>
 void complete(const G& graph, std::vector<index_t>& members, Key&& key, Stop&& stop) {
-  constexpr std::size_t n_at_once = 4096;
+  constexpr std::ptrdiff_t n_at_once = 4096;
   Occupancy<G> occupied(graph);
   for (const index_t v : members) occupied.add(v);
-  std::vector<index_t> open;
-  for (index_t v = 0; v < graph.size() && !(v % n_at_once == 0 && stop()); ++v)
-    if (!occupied.blocks(v)) open.push_back(v);
+  std::vector<index_t> open(graph.size());
+  std::iota(open.begin(), open.end(), index_t{0});
+  const auto drop_blocked = [&] {
+    std::size_t n_open = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (i % n_at_once == 0 && stop()) return false;
+      if (!occupied.blocks(open[i])) open[n_open++] = open[i];
+    }
+    open.resize(n_open);
+    return true;
+  };
   // Block by block: the heaviest block most others, which then need not be put in order.
-  while (!open.empty() && !stop()) {
-    const auto end =
-        open.begin() + static_cast<std::ptrdiff_t>(std::min(open.size(), std::max(open.size() / 8, n_at_once)));
+  while (drop_blocked() && !open.empty()) {
+    const std::ptrdiff_t n_open = std::ssize(open);
+    const auto end = open.begin() + std::min(n_open, std::max(n_open / 8, n_at_once));
     if (end != open.end()) std::nth_element(open.begin(), end, open.end(), heavier_first(graph, key));
     std::sort(open.begin(), end, heavier_first(graph, key));
     for (auto v = open.begin(); v != end; ++v) {
+      if ((v - open.begin()) % n_at_once == 0 && stop()) break;
       if (occupied.blocks(*v)) continue;
       members.push_back(*v);
       occupied.add(*v);
     }
     open.erase(open.begin(), end);
-    std::erase_if(open, [&](index_t v) { return occupied.blocks(v); });
   }
   std::sort(members.begin(), members.end());
 }

@@ -3,11 +3,10 @@
 
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/surface/detail/segment_locator.hpp"
+#include "framehex/surface/feature_carriers.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
 
-#include <algorithm>
-#include <limits>
 #include <memory>
 
 namespace framehex {
@@ -34,26 +33,16 @@ public:
       : data_(std::make_shared<Data>()) {
     const FeatureGraph& features = surface.features;
     Data& d = *data_;
+    d.carriers = FeatureCarriers(surface);
     d.tolerance = tolerance;
-    std::vector<IndexedTriangleMesh> patches(features.n_patches);
-    for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
-      IndexedTriangleMesh& patch = patches[features.triangle_patch[t]];
-      const auto first = static_cast<index_t>(patch.points.size());
-      for (const index_t v : surface.triangles()[t]) patch.points.push_back(surface.points[v]);
-      patch.triangles.push_back({first, first + 1, first + 2});
-    }
-    for (const IndexedTriangleMesh& patch : patches) d.patches.emplace_back(patch);
     std::vector<detail::Segment> all;
     std::vector<index_t> curve_of_segment;
     for (std::size_t c = 0; c < features.curves.size(); ++c) {
-      std::vector<detail::Segment> curve;
       const auto row = features.curves[c];
       for (std::size_t i = 0; i + 1 < row.size(); ++i) {
-        curve.push_back({surface.points[row[i]], surface.points[row[i + 1]]});
+        all.push_back({surface.points[row[i]], surface.points[row[i + 1]]});
         curve_of_segment.push_back(static_cast<index_t>(c));
       }
-      all.insert(all.end(), curve.begin(), curve.end());
-      d.curves.emplace_back(std::move(curve));
     }
     std::vector<detail::Segment> corners;
     for (const index_t v : features.corners) corners.push_back({surface.points[v], surface.points[v]});
@@ -66,17 +55,13 @@ public:
     const Data& d = *data_;
     if (vertex >= d.carrier.size() || d.carrier[vertex] == no_index) return false;
     const index_t id = d.carrier[vertex];
-    if (!d.on_curve[vertex])
-      place = d.patches[id].nearest(place).point;
-    else if (const auto nearest = d.curves[id].nearest_within(place, std::numeric_limits<double>::infinity()))
-      place = nearest->point;
+    place = d.on_curve[vertex] ? d.carriers.onto_curve(id, place) : d.carriers.within_patch(id, place);
     return true;
   }
 
 private:
   struct Data {
-    std::vector<SurfaceLocator> patches;
-    std::vector<detail::SegmentLocator> curves;
+    FeatureCarriers carriers;
     std::vector<index_t> carrier;  ///< by vertex: patch or curve, `no_index`: fixed
     std::vector<std::uint8_t> on_curve;
     double tolerance = 0;

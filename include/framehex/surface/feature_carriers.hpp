@@ -60,6 +60,9 @@ public:
     return {nearest.point, normals_[patch][nearest.triangle]};
   }
 
+  /// Nearest point of a patch, never outside its rim.
+  Vector3 within_patch(index_t patch, const Vector3& p) const { return patches_[patch].nearest(p).point; }
+
   /// Nearest point of a curve.
   Vector3 onto_curve(index_t curve, const Vector3& p) const {
     const auto nearest = curves_[curve].nearest_within(p, std::numeric_limits<double>::infinity());

@@ -31,6 +31,29 @@ inline bool is_soft(CellKind kind) {
   return kind == CellKind::tetrahedron || kind == CellKind::pyramid;
 }
 
+/// The cell on the other side of a face of a cavity; `no_index` on the boundary.
+inline index_t cell_behind(const CellComplex& complex, const Cavity& cavity, const std::array<index_t, 4>& face) {
+  return complex.with_face(face, [&](index_t cell) { return !cavity.contains(cell); });
+}
+
+/// Calls `f()` with the cells round each edge of a cell in `ring`, where all have that edge and are of kinds that may be
+/// taken apart (the cell itself always is).
+template <class Usable, class F>
+void for_each_ring(const CellComplex& complex, index_t cell, std::vector<index_t>& ring, Usable&& usable, F&& f) {
+  for (const auto& edge : edges_of(complex.cells[cell].kind)) {
+    const index_t v = complex.cells[cell].corners[static_cast<std::size_t>(edge[0])];
+    const index_t w = complex.cells[cell].corners[static_cast<std::size_t>(edge[1])];
+    ring.clear();
+    bool all_usable = true;
+    complex.for_each_cell_at(v, [&](index_t other) {
+      if (!all_usable || !complex.has_vertex(other, w)) return;
+      all_usable = complex.has_edge(other, v, w) && (other == cell || usable(complex.cells[other].kind));
+      ring.push_back(other);
+    });
+    if (all_usable && ring.size() > 1 && ring.size() < Cavity::most_cells) f();
+  }
+}
+
 /// The cell that joins a face of a cavity to an apex inside.
 struct StarCell {
   CellKind kind;

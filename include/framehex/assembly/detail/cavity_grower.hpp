@@ -63,15 +63,8 @@ private:
 
   /// The tetrahedron or pyramid on the other side of a face of the cavity.
   index_t cell_beyond(const std::array<index_t, 4>& face, const Cavity& cavity) const {
-    const FaceKey key = face_key(face);
-    index_t found = no_index;
-    complex_.for_each_cell_at(key[0], [&](index_t cell) {
-      if (found != no_index || cavity.contains(cell) || !is_soft(complex_.cells[cell].kind)) return;
-      if (!complex_.has_vertex(cell, key[1]) || !complex_.has_vertex(cell, key[2])) return;
-      for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
-        if (face_key(complex_.face(cell, f)) == key) found = cell;
-    });
-    return found;
+    const index_t cell = cell_behind(complex_, cavity, face);
+    return cell != no_index && is_soft(complex_.cells[cell].kind) ? cell : no_index;
   }
 
   CellComplex& complex_;

@@ -221,11 +221,17 @@ public:
 
   /// The other cell that has this very face, or `no_index`.
   index_t across(index_t cell, const std::array<index_t, 4>& face) const {
+    return with_face(face, [cell](index_t other) { return other != cell; });
+  }
+
+  /// The cell, of those that `admitted` says true of, that has a face. `no_index`: none has.
+  template <class Admitted>
+  index_t with_face(const std::array<index_t, 4>& face, Admitted&& admitted) const {
     const FaceKey key = face_key(face);
     index_t found = no_index;
     for_each_cell_at(key[0], [&](index_t other) {
-      if (other == cell || found != no_index || !has_vertex(other, key[1]) || !has_vertex(other, key[2])) return;
-      if (key[3] != no_index && !has_vertex(other, key[3])) return;
+      if (found != no_index || !has_vertex(other, key[1]) || !has_vertex(other, key[2])) return;
+      if ((key[3] != no_index && !has_vertex(other, key[3])) || !admitted(other)) return;
       for (std::size_t f = 0; f < n_faces(other); ++f)
         if (face_key(this->face(other, f)) == key) found = other;
     });

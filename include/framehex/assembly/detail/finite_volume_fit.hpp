@@ -68,21 +68,9 @@ private:
     }
   }
 
-  /// The cells round each edge of a cell.
   template <class Usable>
   void try_rings(index_t cell, Usable&& usable) {
-    for (const auto& edge : edges_of(complex_.cells[cell].kind)) {
-      const index_t v = complex_.cells[cell].corners[static_cast<std::size_t>(edge[0])];
-      const index_t w = complex_.cells[cell].corners[static_cast<std::size_t>(edge[1])];
-      std::vector<index_t> ring;
-      bool all_usable = true;
-      complex_.for_each_cell_at(v, [&](index_t other) {
-        if (!complex_.has_edge(other, v, w)) return;
-        all_usable = all_usable && (other == cell || usable(complex_.cells[other].kind));
-        ring.push_back(other);
-      });
-      if (all_usable && ring.size() > 1 && ring.size() < Cavity::most_cells) try_cavity(std::move(ring));
-    }
+    for_each_ring(complex_, cell, ring_, usable, [this] { try_cavity(ring_); });
   }
 
   /// Keeps a cavity that can be filled better than the best so far, from one of its inner vertices or from a new one.
@@ -115,25 +103,13 @@ private:
       std::array<Vector3, 4> corners{};
       const std::size_t n = face[3] == no_index ? 3 : 4;
       for (std::size_t i = 0; i < n; ++i) corners[i] = complex_.points[face[i]];
-      const index_t beyond = outside(face);
+      const index_t beyond = cell_behind(complex_, trial_, face);
       const Vector3 other = beyond == no_index ? Vector3::Zero() : centre(beyond);
       if (best_decomposition(std::span(corners).first(n), centre_of_star(face, point),
                              beyond == no_index ? nullptr : &other) < least_decomposition)
         return false;
     }
     return true;
-  }
-
-  /// The cell on the other side of a face of the trial cavity.
-  index_t outside(const std::array<index_t, 4>& face) const {
-    index_t found = no_index;
-    const FaceKey key = face_key(face);
-    complex_.for_each_cell_at(key[0], [&](index_t cell) {
-      if (found != no_index || trial_.contains(cell)) return;
-      for (std::size_t f = 0; f < complex_.n_faces(cell); ++f)
-        if (face_key(complex_.face(cell, f)) == key) found = cell;
-    });
-    return found;
   }
 
   Vector3 centre_of_star(const std::array<index_t, 4>& face, const Vector3& point) const {
@@ -152,6 +128,7 @@ private:
 
   CellComplex& complex_;
   CavityFiller filler_;
+  std::vector<index_t> ring_;
   Cavity trial_, best_;
   Vector3 best_point_ = Vector3::Zero();
   index_t best_apex_ = no_index;

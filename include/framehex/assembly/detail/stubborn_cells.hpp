@@ -46,25 +46,9 @@ private:
     enough_ = enough;
   }
 
-  /// The cavities round the edges of a cell.
   template <class Usable>
-  void try_rings(index_t cell, Usable&& may_be_taken) {
-    const auto corner = [&](std::int8_t i) { return complex_.cells[cell].corners[static_cast<std::size_t>(i)]; };
-    for (const auto& edge : edges_of(complex_.cells[cell].kind))
-      if (gather_ring(corner(edge[0]), corner(edge[1]), may_be_taken)) try_cavity(ring_);
-  }
-
-  /// The cells round an edge, if they all have it and are of a kind that may be taken apart.
-  template <class Usable>
-  bool gather_ring(index_t v, index_t w, Usable&& may_be_taken) {
-    ring_.clear();
-    bool usable = true;
-    complex_.for_each_cell_at(v, [&](index_t other) {
-      if (!usable || !complex_.has_vertex(other, w)) return;
-      usable = may_be_taken(complex_.cells[other].kind) && complex_.has_edge(other, v, w);
-      ring_.push_back(other);
-    });
-    return usable && ring_.size() > 1 && ring_.size() < Cavity::most_cells;
+  void try_rings(index_t cell, Usable&& usable) {
+    for_each_ring(complex_, cell, ring_, usable, [this] { try_cavity(ring_); });
   }
 
   void try_cavity(const std::vector<index_t>& cells) {

@@ -6,7 +6,7 @@
 #include "framehex/insertion/detail/curve_sites.hpp"
 #include "framehex/insertion/detail/insertion_checks.hpp"
 #include "framehex/insertion/lattice_links.hpp"
-#include "framehex/insertion/surface_insertion.hpp"
+#include "framehex/insertion/surface_options.hpp"
 #include "framehex/surface/cross_sampler.hpp"
 #include "framehex/surface/surface_walker.hpp"
 

@@ -4,7 +4,7 @@
 #include "framehex/geometry/proximity.hpp"
 #include "framehex/geometry/size_field.hpp"
 #include "framehex/insertion/detail/insertion_checks.hpp"
-#include "framehex/insertion/volume_insertion.hpp"
+#include "framehex/insertion/volume_options.hpp"
 
 #include <algorithm>
 #include <array>

@@ -18,6 +18,7 @@ public:
 
   void set(index_t v, State state) {
     if (state_[v] == state) return;
+    if (state_[v] == taken) gone_.push_back(v);
     state_[v] = state;
     if (v < pool_.n_own) news_.push_back(v);
   }
@@ -41,10 +42,24 @@ public:
     for (const Received<News>& received : send_typed(transport_, std::move(rows)))
       for (const News& news : received.items) {
         const index_t v = copy_of(received.rank, news.index);
+        if (state_[v] == taken && news.state != taken) gone_.push_back(v);
         state_[v] = news.state;
         heard.push_back(v);
       }
     return heard;
+  }
+
+  /// Makes those undecided that a candidate may have kept out that was taken once and is no more; the copies on all ranks
+  /// alike.
+  void reopen() {
+    std::vector<std::uint8_t> freed(pool_.points.size(), 0);
+    for (const index_t v : gone_)
+      for (const index_t w : pool_.candidates.vertices[v]) freed[w] = 1;
+    gone_.clear();
+    for (index_t v = 0; v < pool_.size(); ++v)
+      if (state_[v] == refused &&
+          std::ranges::any_of(pool_.candidates.vertices[v], [&](index_t w) { return freed[w] != 0; }))
+        set(v, undecided);
   }
 
 private:
@@ -62,7 +77,7 @@ private:
   const Tr& transport_;
   const CandidatePool& pool_;
   std::vector<State> state_;
-  std::vector<index_t> news_;
+  std::vector<index_t> news_, gone_;
 };
 
 }  // namespace framehex::detail

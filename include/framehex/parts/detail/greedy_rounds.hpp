@@ -17,21 +17,20 @@ public:
   using States = CandidateStates<Tr>;
 
   /// @param graph   of the pool's candidates.
-  /// @param states  what is taken stays, the others are looked at.
+  /// @param states  what is taken stays, and so does what is refused.
   GreedyRounds(const Tr& transport, const CandidatePool& pool, const ImplicitIncompatibilityGraph& graph,
                States& states)
       : transport_(transport), pool_(pool), graph_(graph), states_(states), taken_(graph) {
     for (index_t v = 0; v < pool_.size(); ++v)
       if (states_[v] == States::taken)
         taken_.add(v);
-      else
+      else if (states_[v] == States::undecided)
         open_.push_back(v);
   }
 
   /// Collective. @param stop  asked now and then on this rank; @return false when one of them said so.
   template <class Stop>
   bool run(Stop&& stop) {
-    for (const index_t v : open_) states_.set(v, States::undecided);
     for (;; ++n_rounds_) {
       decide(stop);
       std::array<std::int64_t, 2> sums{0, stop() ? 1 : 0};

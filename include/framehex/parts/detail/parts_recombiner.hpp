@@ -216,6 +216,8 @@ private:
       if (any_rank(transport_, thread_.stopped())) return false;
     }
     // What has become free may fit.
+    states.reopen();
+    states.exchange();
     return greedy();
   }
 
@@ -302,10 +304,10 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
-    std::array<double, 2> weights{-result_.weight, -result_.bound};
-    transport_.least(std::span<double>(weights));
-    result_.weight = -weights[0];
-    result_.bound = -weights[1];
+    std::array<double, 2> least{-result_.weight, -result_.bound};
+    transport_.least(std::span<double>(least));
+    result_.weight = -least[0];
+    result_.bound = -least[1];
     return true;
   }
 

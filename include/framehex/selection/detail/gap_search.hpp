@@ -9,20 +9,17 @@
 
 namespace framehex::detail {
 
-/// Cliques to begin with, which hold most conflicts that bind: two random partitions of the candidates.
+/// A relaxation over cliques to begin with, which hold most conflicts that bind: two random partitions of the candidates.
 template <class Stop>
-CliqueCover first_cliques(const IncompatibilityGraph& graph, Stop&& stop) {
-  return cover_by_partitions(graph, 2, stop);
+LpBound first_relaxation(const IncompatibilityGraph& graph, Stop&& stop) {
+  return LpBound(cover_by_partitions(graph, 2, stop), graph.weights_in_units());
 }
 
-/// The candidates of each tetrahedron.
+/// The same over the candidates of each tetrahedron, which the candidates' own lists are lent for.
 template <class Stop>
-CliqueCover first_cliques(const ImplicitIncompatibilityGraph& graph, Stop&&) {
+LpBound first_relaxation(const ImplicitIncompatibilityGraph& graph, Stop&&) {
   const Csr<index_t>& tets = graph.candidates().tets;
-  CliqueCover cover;
-  cover.cliques = transpose(tets, graph.n_tets());
-  cover.cliques_of_vertex = tets;
-  return cover;
+  return LpBound({transpose(tets, graph.n_tets()), {}}, graph.weights_in_units(), {}, {}, &tets);
 }
 
 /// Lowers the bound of a large graph, and raises its selection where the two do not agree, until the gap asked for is
@@ -41,7 +38,7 @@ public:
         executor_(executor),
         seed_(seed),
         deadline_(deadline),
-        relaxation_(first_cliques(graph, [&] { return deadline.passed(); }), graph.weights_in_units()) {}
+        relaxation_(first_relaxation(graph, [&] { return deadline.passed(); })) {}
 
   /// @param members  a maximal selection; becomes a heavier one.
   /// @param gap      share of the bound that may be missing.

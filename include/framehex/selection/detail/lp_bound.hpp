@@ -29,9 +29,11 @@ public:
   /// @param cover    all conflicts; more cliques make the bound lower.
   /// @param weights  of the candidates, in units; must outlive this.
   /// @param primal, dual  where to start: x a candidate and y a clique, y in units of the largest weight; empty: zero.
+  /// @param lent     the cover's cliques of each candidate, where somebody has them who outlives this: the cover's own
+  ///                 are then empty until cliques are added.
   LpBound(CliqueCover cover, std::span<const std::int64_t> weights, std::vector<float> primal = {},
-          std::vector<float> dual = {})
-      : cover_(std::move(cover)), weights_(weights), x_(std::move(primal)), y_(std::move(dual)) {
+          std::vector<float> dual = {}, const Csr<index_t>* lent = nullptr)
+      : cover_(std::move(cover)), lent_(lent), weights_(weights), x_(std::move(primal)), y_(std::move(dual)) {
     for (const std::int64_t w : weights) largest_ = std::max(largest_, w);
     x_.resize(weights.size(), 0.0F);
     y_.resize(cover_.size(), 0.0F);
@@ -55,7 +57,7 @@ public:
     std::vector<float> reduced(weights_.size());
     for (std::size_t v = 0; v < weights_.size(); ++v) {
       reduced[v] = cost(v);
-      for (const index_t c : cover_.cliques_of_vertex[v]) reduced[v] -= next_y_[c];
+      for (const index_t c : cliques_of(v)) reduced[v] -= next_y_[c];
     }
     return reduced;
   }
@@ -80,7 +82,7 @@ public:
       prices.total += prices.of_clique[c] = std::llround(std::min(static_cast<double>(next_y_[c]), 1.0) * scale);
     for (std::size_t v = 0; v < weights_.size(); ++v) {
       std::int64_t rest = weights_[v] * (std::int64_t{1} << prices.bits);
-      for (const index_t c : cover_.cliques_of_vertex[v]) rest -= prices.of_clique[c];
+      for (const index_t c : cliques_of(v)) rest -= prices.of_clique[c];
       prices.total += std::max<std::int64_t>(rest, 0);
     }
     return prices;
@@ -102,12 +104,15 @@ public:
       cover_.cliques.end_row();
     }
     cover_.cliques_of_vertex = detail::transpose(cover_.cliques, weights_.size());
+    lent_ = nullptr;
     next_y_.resize(cover_.size(), 0.0F);
     restart_at(std::vector<float>(next_x_), std::vector<float>(next_y_));
   }
 
 private:
   static constexpr std::size_t block_size = 8192;
+
+  std::span<const index_t> cliques_of(std::size_t v) const { return (lent_ ? *lent_ : cover_.cliques_of_vertex)[v]; }
 
   /// Sums what `body(begin, end)` returns over blocks that do not depend on the number of workers.
   template <Executor E, class Body>
@@ -148,7 +153,7 @@ private:
   double step_primal(std::size_t begin, std::size_t end) {
     double moved = 0;
     for (std::size_t v = begin; v < end; ++v) {
-      const auto row = cover_.cliques_of_vertex[v];
+      const auto row = cliques_of(v);
       float price = 0;
       for (const index_t c : row) price += y_[c];
       const float rate = step_size / (balance_ * static_cast<float>(std::max<std::size_t>(row.size(), 1)));
@@ -206,6 +211,7 @@ private:
   static constexpr float step_size = 0.99F;
 
   CliqueCover cover_;
+  const Csr<index_t>* lent_;
   std::span<const std::int64_t> weights_;
   std::int64_t largest_ = 0, bound_ = 0;
   std::vector<float> x_, y_, next_x_, next_y_, anchor_x_, anchor_y_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/insertion/volume_insertion.hpp"
+#include "framehex/insertion/volume_options.hpp"
 #include "framehex/option_ranges.hpp"
 #include "framehex/surface/surface_sample.hpp"
 
