@@ -10,9 +10,10 @@ add_custom_target(distributed)
 add_library(distributed_test_main OBJECT ${CMAKE_CURRENT_LIST_DIR}/main.cpp)
 target_link_libraries(distributed_test_main PRIVATE framehex::distributed Catch2::Catch2)
 
-# Of more ranks than there are processors; mpirun asks to be told that root may run it.
-set(mpirun ${CMAKE_COMMAND} -E env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${MPIEXEC_EXECUTABLE}
-           --oversubscribe)
+# Of more ranks than there are processors, which waiting ranks must give to others; mpirun asks to be told that root may
+# run it.
+set(mpirun ${CMAKE_COMMAND} -E env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_mpi_yield_when_idle=1
+           ${MPIEXEC_EXECUTABLE} --oversubscribe)
 foreach(name IN ITEMS transport validation frame_field files recombine repartition)
   add_executable(test_distributed_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
   target_include_directories(test_distributed_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
