@@ -155,8 +155,11 @@ def check_killed(folder):
     meshio.Mesh(points, [("tetra", tets)]).write(folder / "in.vtu")
     run = subprocess.Popen(command(3, folder / "in.vtu", folder / "out.pvtu", "--part-size", "5000"),
                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    time.sleep(4)
-    os.kill(ranks_below(run.pid)[1], signal.SIGKILL)
+    while len(ranks := ranks_below(run.pid)) < 3:
+        assert run.poll() is None, run.communicate()[0]
+        time.sleep(0.1)
+    time.sleep(0.7)  # they have met, and are far from done
+    os.kill(ranks[1], signal.SIGKILL)
     text, _ = run.communicate(timeout=60)
     assert run.returncode != 0 and "rank 1" in text and "signal 9" in text, text
     assert not leftovers(folder, {"in.vtu"}), leftovers(folder, {"in.vtu"})

@@ -29,7 +29,8 @@ struct EndAll : Catch::TestEventListenerBase {
 CATCH_REGISTER_LISTENER(EndAll)
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &provided);
   const int failed = Catch::Session().run(argc, argv);
   MPI_Finalize();
   return failed;

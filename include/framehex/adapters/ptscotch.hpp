@@ -20,9 +20,12 @@ namespace framehex {
 /// @param neighbours  for each vertex of this rank those it has an edge with, counted on from rank to rank; as
 ///                    `distributed::neighbours_by_facets` gives it for cells.
 /// @return the rank of each vertex of this rank; for `distributed::repartition`.
-/// @throws error  when PT-Scotch fails; invalid_option  when its integers are too short.
+/// @throws error  when PT-Scotch fails, or MPI was started without `MPI_THREAD_MULTIPLE`, without which PT-Scotch 7 hangs or
+///                crashes now and then: its own threads send messages; invalid_option  when its integers are too short.
 inline std::vector<int> ptscotch_partition(const Csr<std::int64_t>& neighbours, MPI_Comm communicator) {
-  int n_ranks = 1;
+  int n_ranks = 1, threads = MPI_THREAD_SINGLE;
+  MPI_Query_thread(&threads);
+  if (threads < MPI_THREAD_MULTIPLE) throw error("PT-Scotch needs MPI_Init_thread with MPI_THREAD_MULTIPLE");
   MPI_Comm_size(communicator, &n_ranks);
   std::vector<SCOTCH_Num> offsets, edges, parts(neighbours.size() + 1);
   for (const offset_t o : neighbours.offsets) offsets.push_back(static_cast<SCOTCH_Num>(o));
