@@ -61,7 +61,7 @@ IndexedTetMesh glued(IndexedTetMesh mesh, const std::vector<std::array<index_t, 
 
 }  // namespace
 
-TEST_CASE("The result does not depend on the executor") {
+TEST_CASE("The result does not depend on the executor", "[threads]") {
   const auto mesh = test::DelaunayLattice(9, 1, 0.5).mesh;
   const FinderOptions options{.quality_floor = 0.05};
   const auto serial = find_potential_hexahedra(mesh, options);

@@ -100,7 +100,7 @@ TEST_CASE("both graphs give the same selections", "[selection][implicit]") {
   }
 }
 
-TEST_CASE("the bound by tetrahedra holds, and cliques lower it", "[selection][implicit]") {
+TEST_CASE("the bound by tetrahedra holds, and cliques lower it", "[selection][implicit][threads]") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const PotentialHexahedra candidates = test::random_candidates(seed, 150, 60, 100);
     const ImplicitIncompatibilityGraph graph(candidates, volume_times_quality(candidates));

@@ -78,7 +78,7 @@ bool clash(const PotentialHexahedra& candidates, index_t i, index_t j) {
 
 }  // namespace
 
-TEST_CASE("conflicts are those of the rules, one by one", "[selection][graph]") {
+TEST_CASE("conflicts are those of the rules, one by one", "[selection][graph][threads]") {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const auto candidates = random_candidates(seed, 120, seed < 4 ? 11 : seed < 8 ? 18 : 40, 400);
     const auto graph = build_incompatibility_graph(candidates);

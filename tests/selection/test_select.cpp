@@ -106,7 +106,7 @@ TEST_CASE("best equals Boost's cliques of the complement", "[selection][select]"
   }
 }
 
-TEST_CASE("every method is sound, and exact is not below the others", "[selection][select]") {
+TEST_CASE("every method is sound, and exact is not below the others", "[selection][select][threads]") {
   std::mt19937_64 engine(3);
   const auto graph = random_disk_graph(engine, 700, 0.07);
   const Selection greedy = select(graph, {.method = SelectMethod::greedy});
