@@ -2,7 +2,8 @@
 # What must compile, and what must not.
 
 # Every header compiles alone, with our warnings: the library's, and the adapters' with the library each needs. Those
-# of heavy libraries are compiled by tests/heavy_hosts, those over MPI by tests/distributed, those of libraries that no Debian package has by tests/hosts.
+# of heavy libraries are compiled by tests/heavy_hosts, those over MPI by tests/distributed, those of libraries that no
+# Debian package has by tests/hosts.
 add_library(framehex_headers_alone INTERFACE)
 set(headers_alone ${framehex_headers})
 list(FILTER headers_alone EXCLUDE REGEX

@@ -9,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <optional>
 
 using namespace framehex;
 using namespace framehex::distributed;
@@ -21,17 +22,13 @@ public:
   explicit SharedFolder(const MpiTransport& transport) : transport_(transport) {
     std::vector<char> name;
     if (transport.rank() == 0) {
-      std::string pattern = (std::filesystem::temp_directory_path() / "framehex-XXXXXX").string();
-      REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-      name.assign(pattern.begin(), pattern.end());
+      const std::string& path = made_.emplace().path().native();
+      name.assign(path.begin(), path.end());
     }
     name = distributed::detail::gathered(transport, name);
     path_ = std::string(name.begin(), name.end());
   }
-  ~SharedFolder() {
-    transport_.agree();
-    if (transport_.rank() == 0) std::filesystem::remove_all(path_);
-  }
+  ~SharedFolder() { transport_.agree(); }  // nobody is at work in it any more
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   std::size_t n_files() const {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
@@ -39,6 +36,7 @@ public:
 
 private:
   const MpiTransport& transport_;
+  std::optional<test::TemporaryFolder> made_;
   std::filesystem::path path_;
 };
 

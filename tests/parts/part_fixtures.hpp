@@ -7,6 +7,7 @@
 
 #include <boost/random/uniform_real_distribution.hpp>
 
+#include <algorithm>
 #include <random>
 
 namespace framehex::test {
@@ -42,6 +43,24 @@ inline IndexedTetMesh permuted(const IndexedTetMesh& mesh, std::uint64_t seed) {
     for (index_t& v : corners) v = vertex[v];
     std::rotate(corners.begin() + 1, corners.begin() + 1 + static_cast<std::ptrdiff_t>(random() % 3), corners.end());
     result.tets[cell[t]] = corners;
+  }
+  return result;
+}
+
+/// The mesh with its vertices by rising coordinates.
+inline IndexedTetMesh in_order(const IndexedTetMesh& mesh) {
+  std::vector<index_t> order(mesh.points.size()), place(order.size());
+  for (index_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(),
+            [&](index_t a, index_t b) { return detail::lies_before(mesh.points[a], mesh.points[b]); });
+  IndexedTetMesh result;
+  for (index_t i = 0; i < order.size(); ++i) {
+    place[order[i]] = i;
+    result.points.push_back(mesh.points[order[i]]);
+  }
+  for (auto tet : mesh.tets) {
+    for (index_t& v : tet) v = place[v];
+    result.tets.push_back(tet);
   }
   return result;
 }

@@ -100,27 +100,9 @@ Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_si
   return found;
 }
 
-/// The mesh with its vertices by rising coordinates.
-IndexedTetMesh in_order(const IndexedTetMesh& mesh) {
-  std::vector<index_t> order(mesh.points.size()), place(order.size());
-  for (index_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(),
-            [&](index_t a, index_t b) { return detail::lies_before(mesh.points[a], mesh.points[b]); });
-  IndexedTetMesh result;
-  for (index_t i = 0; i < order.size(); ++i) {
-    place[order[i]] = i;
-    result.points.push_back(mesh.points[order[i]]);
-  }
-  for (auto tet : mesh.tets) {
-    for (index_t& v : tet) v = place[v];
-    result.tets.push_back(tet);
-  }
-  return result;
-}
-
 /// All candidates of the whole mesh, and the greedy selection by comparing each with all that are taken.
 Found find_at_once(const IndexedTetMesh& given) {
-  const IndexedTetMesh mesh = in_order(given);
+  const IndexedTetMesh mesh = test::in_order(given);
   const PotentialHexahedra candidates = find_potential_hexahedra(mesh);
   const auto weight = volume_times_quality(candidates);
   std::vector<index_t> order(candidates.size());

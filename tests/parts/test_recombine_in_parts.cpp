@@ -148,29 +148,15 @@ TEST_CASE("a mesh of one part is what recombine makes of it") {
   CHECK(joined.last.n_parts == 1);
   check_sound(joined.mesh, 5 * 5 * 5);
   // In the order that parts give it: by rising coordinates.
-  const auto brought = test::part_of(mesh, 0, [](std::size_t) { return 0; });
-  std::vector<index_t> order(brought.points.size()), number(order.size());
-  for (index_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(),
-            [&](index_t a, index_t b) { return place(brought.points[a]) < place(brought.points[b]); });
-  IndexedTetMesh ordered;
-  for (index_t i = 0; i < order.size(); ++i) {
-    number[order[i]] = i;
-    ordered.points.push_back(brought.points[order[i]]);
-  }
-  for (auto tet : brought.tets) {
-    for (index_t& v : tet) v = number[v];
-    ordered.tets.push_back(detail::canonical_tet(tet));
-  }
+  IndexedTetMesh ordered = test::in_order(mesh);
+  for (auto& tet : ordered.tets) tet = detail::canonical_tet(tet);
   std::sort(ordered.tets.begin(), ordered.tets.end());
   const MixedMesh whole = recombine(ordered).mesh;
   CellSet cells;
   for (std::size_t cell = 0; cell < whole.n_cells(); ++cell) {
-    auto& places = *cells.insert({{static_cast<double>(whole.kinds[cell]), 0, 0}});
-    auto all = places;
-    cells.erase(cells.find(places));
-    for (const index_t v : whole.cells[cell]) all.push_back(place(whole.points[v]));
-    cells.insert(all);
+    CellSet::value_type places{{static_cast<double>(whole.kinds[cell]), 0, 0}};
+    for (const index_t v : whole.cells[cell]) places.push_back(place(whole.points[v]));
+    cells.insert(places);
   }
   CHECK(joined.cells == cells);
 }

@@ -63,7 +63,7 @@ template <DistributedTetMesh M, class E>
 DistributedField field_of(const M& mesh, const MpiTransport& transport, MeshFieldOptions options, const E& executor) {
   check_options(options);
   const IndexedPart host = validated_part(mesh, transport);
-  const bool has_regions = total(transport, options.regions.empty() ? 0 : 1) > 0;
+  const bool has_regions = any_rank(transport, !options.regions.empty());
   if (has_regions && options.regions.size() != host.mesh.tets.size())
     throw invalid_option("there are " + std::to_string(options.regions.size()) + " region labels for " +
                          std::to_string(host.mesh.tets.size()) + " tetrahedra");

@@ -219,7 +219,7 @@ inline ReadPart read_parts(const std::filesystem::path& path, const MpiTransport
     ReadPart read =
         files.empty() ? detail::deal_out(transport, path, region_array) : detail::read_pieces(transport, files);
     const bool is_one = std::all_of(read.regions.begin(), read.regions.end(), [](index_t r) { return r == 0; });
-    if (detail::total(transport, is_one ? 0 : 1) == 0) read.regions.clear();
+    if (!detail::any_rank(transport, !is_one)) read.regions.clear();
     return read;
   });
 }

@@ -35,8 +35,7 @@ PartRecombination recombine(const M& mesh, const MpiTransport& transport, const 
   return run_collectively(transport, [&] {
     check_options(options);
     const IndexedPart part = detail::validated_part(mesh, transport);
-    if (detail::total(transport, options.regions.empty() ? 0 : 1) > 0 &&
-        options.regions.size() != part.mesh.tets.size())
+    if (detail::any_rank(transport, !options.regions.empty()) && options.regions.size() != part.mesh.tets.size())
       throw invalid_option("there are " + std::to_string(options.regions.size()) + " region labels for " +
                            std::to_string(part.mesh.tets.size()) + " tetrahedra");
     const PartInput input{part.mesh.points, part.mesh.tets, part.vertex_ids, part.cell_ids, options.regions};
@@ -68,11 +67,7 @@ std::vector<Value> values_by_number(const MpiTransport& transport, std::span<con
   const auto clerk = [&](std::int64_t id) { return static_cast<std::size_t>(id) / 1024 % n_ranks; };
   std::vector<std::vector<Entry>> told(n_ranks);
   for (std::size_t i = 0; i < known.size(); ++i) told[clerk(known[i])].push_back({known[i], values[i]});
-  std::vector<Entry> entries;
-  for (const Parcel& p : transport.exchange(detail::parcels_of(told))) {
-    const auto arrived = detail::Unpacker(p.bytes).take<Entry>();
-    entries.insert(entries.end(), arrived.begin(), arrived.end());
-  }
+  std::vector<Entry> entries = detail::send_joined(transport, std::move(told));
   std::ranges::stable_sort(entries, {}, &Entry::id);
   std::vector<std::vector<std::int64_t>> questions(n_ranks);
   for (const std::int64_t id : wanted) questions[clerk(id)].push_back(id);

@@ -35,11 +35,7 @@ inline Csr<std::int64_t> neighbours_by_facets(const IndexedPart& part, const Mpi
       told[static_cast<std::size_t>(key[0]) / 1024 % n_ranks].push_back(
           {key, first_cell + static_cast<std::int64_t>(c), transport.rank()});
     }
-  std::vector<Entry> entries;
-  for (const Parcel& p : transport.exchange(detail::parcels_of(told))) {
-    const auto arrived = detail::Unpacker(p.bytes).take<Entry>();
-    entries.insert(entries.end(), arrived.begin(), arrived.end());
-  }
+  std::vector<Entry> entries = detail::send_joined(transport, std::move(told));
   std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.facet, e.cell); });
   std::vector<std::vector<Pair>> pairs(n_ranks);
   for (std::size_t i = 0; i + 1 < entries.size(); ++i) {
@@ -48,11 +44,7 @@ inline Csr<std::int64_t> neighbours_by_facets(const IndexedPart& part, const Mpi
     pairs[static_cast<std::size_t>(a.rank)].push_back({a.cell, b.cell});
     pairs[static_cast<std::size_t>(b.rank)].push_back({b.cell, a.cell});
   }
-  std::vector<Pair> mine;
-  for (const Parcel& p : transport.exchange(detail::parcels_of(pairs))) {
-    const auto arrived = detail::Unpacker(p.bytes).take<Pair>();
-    mine.insert(mine.end(), arrived.begin(), arrived.end());
-  }
+  std::vector<Pair> mine = detail::send_joined(transport, std::move(pairs));
   std::ranges::sort(mine, {}, [](const Pair& p) { return std::pair(p.cell, p.other); });
   return make_csr<std::int64_t>(part.mesh.tets.size(), [&](auto&& put) {
     for (const Pair& p : mine) put(static_cast<std::size_t>(p.cell - first_cell), p.other);

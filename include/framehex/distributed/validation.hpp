@@ -105,11 +105,7 @@ private:
     const std::int64_t share = static_cast<std::int64_t>(-last[0]) / transport_.n_ranks() + 1;
     std::vector<std::vector<Entry>> by_rank(n_ranks);
     for (const Entry& e : entries) by_rank[std::min(static_cast<std::size_t>(e.id / share), n_ranks - 1)].push_back(e);
-    std::vector<Entry> here;
-    for (const Parcel& p : transport_.exchange(parcels_of(by_rank))) {
-      const auto arrived = Unpacker(p.bytes).take<Entry>();
-      here.insert(here.end(), arrived.begin(), arrived.end());
-    }
+    std::vector<Entry> here = send_joined(transport_, std::move(by_rank));
     std::stable_sort(here.begin(), here.end(), [](const Entry& a, const Entry& b) { return a.id < b.id; });
     std::vector<std::vector<Fault>> faults(n_ranks);
     for (std::size_t i = 0, end = 0; i < here.size(); i = end) {
@@ -118,7 +114,7 @@ private:
         faults[static_cast<std::size_t>(e.rank)].push_back({e.index, what, other});
       });
     }
-    for (const Parcel& p : transport_.exchange(parcels_of(faults))) fail(Unpacker(p.bytes).take<Fault>().front());
+    if (const std::vector<Fault> mine = send_joined(transport_, std::move(faults)); !mine.empty()) fail(mine.front());
   }
 
   [[noreturn]] void fail(const Fault& fault) const {

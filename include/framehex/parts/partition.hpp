@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/config.hpp"
+#include "framehex/geometry/detail/morton.hpp"
 #include "framehex/parts/detail/exchange.hpp"
 
 #include <algorithm>
@@ -33,21 +34,12 @@ public:
     Code code = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double place = std::floor(((p[axis] - low_[axis]) / width_ + shift_) * n);
-      code |= spread(static_cast<Code>(std::clamp(place, 0.0, 2 * n - 1))) << axis;
+      code |= detail::spread_to_thirds(static_cast<Code>(std::clamp(place, 0.0, 2 * n - 1))) << axis;
     }
     return code;
   }
 
 private:
-  /// Puts two zeros between the bits.
-  static Code spread(Code x) {
-    x = (x | x << 32) & 0x1f00000000ffffU;
-    x = (x | x << 16) & 0x1f0000ff0000ffU;
-    x = (x | x << 8) & 0x100f00f00f00f00fU;
-    x = (x | x << 4) & 0x10c30c30c30c30c3U;
-    return (x | x << 2) & 0x1249249249249249U;
-  }
-
   Vector3 low_ = Vector3::Zero();
   double width_ = 1, shift_ = 0;
 };

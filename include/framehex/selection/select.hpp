@@ -184,7 +184,10 @@ Selection select(const G& graph, const SelectOptions& options = {}, const E& exe
   const auto watched = deadline.watch(executor);
   detail::Draft draft = detail::Selector(options, watched, deadline).run(graph);
   // Where a budget or the observer ended the search, something may still fit: heard of, and not to be stopped.
-  detail::complete(graph, draft.members, detail::by_number, [&] { return deadline.passed(), false; });
+  detail::complete(graph, draft.members, detail::by_number, [&] {
+    deadline.passed();
+    return false;
+  });
   draft.weight = detail::weight_in_units(graph, draft.members);
   Selection selection;
   selection.weight = detail::from_units(graph, draft.weight);

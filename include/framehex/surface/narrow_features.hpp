@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/geometry/face_geometry.hpp"
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/concepts.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"

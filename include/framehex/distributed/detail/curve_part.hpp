@@ -122,12 +122,7 @@ private:
       const auto after = std::upper_bound(splitters.begin(), splitters.end(), places[v]);
       by_rank[static_cast<std::size_t>(after - splitters.begin())].push_back({places[v], flat(part_.mesh.points[v])});
     }
-    std::vector<Sent> stretch;
-    std::vector<Parcel> arrived = transport_.exchange(parcels_of(by_rank));
-    for (const Parcel& p : arrived) {
-      const auto sent = Unpacker(p.bytes).take<Sent>();
-      stretch.insert(stretch.end(), sent.begin(), sent.end());
-    }
+    std::vector<Sent> stretch = send_joined(transport_, by_rank);
     std::sort(stretch.begin(), stretch.end(), [](const Sent& a, const Sent& b) { return a.place < b.place; });
     const std::int64_t first_row = out_.first_rows[static_cast<std::size_t>(transport_.rank())];
     for (std::size_t i = 0; i < stretch.size(); ++i)
@@ -171,7 +166,7 @@ private:
 
   /// The first places of all stretches but the first rank's: found bit by bit, by counting what lies before.
   std::vector<Place> split(const std::vector<Place>& sorted) {
-    const std::int64_t n = total(transport_, static_cast<std::int64_t>(sorted.size()));
+    const std::int64_t n = sum_of(transport_, static_cast<std::int64_t>(sorted.size()));
     constexpr auto block = static_cast<std::int64_t>(row_block);
     const std::int64_t n_blocks = (n + block - 1) / block;
     for (std::int64_t rank = 0; rank <= transport_.n_ranks(); ++rank)

@@ -2,10 +2,15 @@
 #pragma once
 
 #include "framehex/distributed/mpi_transport.hpp"
+#include "framehex/parts/detail/exchange.hpp"
 
 #include <cstring>
 
 namespace framehex::distributed::detail {
+
+using framehex::detail::any_rank;
+using framehex::detail::send_joined;
+using framehex::detail::sum_of;
 
 /// Appends values as they stand in memory, after their number.
 template <class Value>
@@ -78,11 +83,6 @@ std::vector<Value> gathered(const MpiTransport& transport, const std::vector<Val
     if (!share.empty()) std::memcpy(static_cast<void*>(all.data() + place), share.data(), share.size());
   }
   return all;
-}
-
-inline std::int64_t total(const MpiTransport& transport, std::int64_t count) {
-  transport.sum({&count, 1});
-  return count;
 }
 
 }  // namespace framehex::distributed::detail

@@ -143,7 +143,7 @@ public:
     exchange_->transport().sum(sum.digits());
     return sum.value();
   }
-  std::int64_t total(std::int64_t count) const { return detail::total(exchange_->transport(), count); }
+  std::int64_t total(std::int64_t count) const { return sum_of(exchange_->transport(), count); }
   double largest(double value) const {
     std::array<double, 1> least{-value};
     exchange_->transport().least(least);

@@ -54,11 +54,7 @@ inline std::vector<SentTriangle> send_triangles(const RowExchange& exchange, con
       triangle.points[i] = {p.x(), p.y(), p.z()};
     }
   });
-  std::vector<SentTriangle> all;
-  for (const Parcel& p : exchange.transport().exchange(parcels_of(sent))) {
-    const auto arrived = Unpacker(p.bytes).take<SentTriangle>();
-    all.insert(all.end(), arrived.begin(), arrived.end());
-  }
+  std::vector<SentTriangle> all = send_joined(exchange.transport(), std::move(sent));
   std::ranges::sort(all, {}, [](const SentTriangle& t) { return std::pair(t.cell, t.face); });
   return all;
 }

@@ -3,6 +3,7 @@
 
 #include "framehex/config.hpp"
 #include "framehex/field/detail/exact_sum.hpp"
+#include "framehex/geometry/detail/morton.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,15 +27,7 @@ struct CurveKey {
 
   std::uint64_t operator()(const Vector3& p) const {
     std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      auto x = static_cast<std::uint64_t>((p[i] - low[i]) * scale);  // spread to every third bit
-      x = (x | x << 32) & 0x1f00000000ffff;
-      x = (x | x << 16) & 0x1f0000ff0000ff;
-      x = (x | x << 8) & 0x100f00f00f00f00f;
-      x = (x | x << 4) & 0x10c30c30c30c30c3;
-      x = (x | x << 2) & 0x1249249249249249;
-      key |= x << i;
-    }
+    for (int i = 0; i < 3; ++i) key |= spread_to_thirds(static_cast<std::uint64_t>((p[i] - low[i]) * scale)) << i;
     return key;
   }
 };

@@ -27,10 +27,12 @@ public:
   /// @return the copies of which something was heard.
   std::vector<index_t> exchange() {
     std::vector<index_t> heard;
+    if (transport_.n_ranks() == 1) {
+      news_.clear();
+      return heard;
+    }
     std::sort(news_.begin(), news_.end());
     news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
-    if (transport_.n_ranks() == 1) news_.clear();
-    if (transport_.n_ranks() == 1) return heard;
     Rows<News> rows = make_rows<News>(transport_);
     auto holder = pool_.holders.begin();
     for (const index_t v : news_) {

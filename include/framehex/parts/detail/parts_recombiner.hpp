@@ -18,7 +18,6 @@
 
 #include <chrono>
 #include <functional>
-
 #include <optional>
 
 namespace framehex::detail {
