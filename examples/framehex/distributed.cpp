@@ -77,7 +77,7 @@ Measures joined(const fd::MpiTransport& transport, const Measures& mine, const f
   Share share{{}, {}, mine.n_cells > 0 ? mine.least : 1};
   Measures all;
   const auto count = [&](std::size_t n) {
-    return static_cast<std::size_t>(fd::detail::total(transport, static_cast<std::int64_t>(n)));
+    return static_cast<std::size_t>(fd::detail::sum_of(transport, static_cast<std::int64_t>(n)));
   };
   for (std::size_t k = 0; k < 4; ++k) {
     share.volume[k] = mine.kinds[k].volume;
