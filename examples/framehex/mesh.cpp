@@ -233,6 +233,7 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                   : options.order == "lattice" ? framehex::PointOrder::lattice
                                                : framehex::PointOrder::smoothness;
   meshing.recombination = recombine_options(options, {});
+  if (!options.improve) meshing.least_quality = 0;  // poor cells are no reason for smaller sizes then
   meshing.observer = observer;
   framehex::MeshingResult result = framehex::mesh_surface(surface, sizes, framehex::TetgenProcess{}, meshing,
                                                           framehex::ThreadExecutor(options.threads));

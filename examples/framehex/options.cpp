@@ -142,7 +142,8 @@ void add_recombination(CLI::App& command, Options& options) {
       ->check(CLI::IsMember({"conforming", "no-pyramids", "open"}))
       ->capture_default_str();
   command.add_flag("!--no-improvement", options.improve,
-                   "Leave the vertices in their places: nothing is moved, reconnected or removed to make cells better");
+                   "Leave the vertices in their places: nothing is moved, reconnected or removed to make cells better, "
+                   "and no size shrinks for it");
   command.add_flag("--finite-volume", options.finite_volume,
                    "Cells that finite volume solvers take: inner faces look into all directions, faces can be cut into "
                    "tetrahedra with the centres of their cells");
