@@ -5,8 +5,7 @@
 // refuse it by a framehex::error that names the file. Anything else ends the program: another exception, an index out of
 // range, a crash, more than 2 GB of memory, or more than 20 seconds for one file. That file is left in the working folder
 // as damaged.EXTENSION.
-#include "framehex/adapters/mesh_reader.hpp"
-#include "framehex/io/outline_reader.hpp"
+#include "support/usable.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,36 +20,6 @@ using namespace framehex;
 namespace {
 
 using Random = std::mt19937_64;
-
-bool indices_in_range(const MixedMesh& mesh) {
-  const auto fits = [&](index_t v) { return v < mesh.points.size(); };
-  bool all = std::ranges::all_of(mesh.cells.values, fits);
-  for (const LabelledFace& face : mesh.faces)
-    for (std::size_t i = 0; i < face.size(); ++i) all = all && fits(face.vertices[i]);
-  for (const LabelledEdge& edge : mesh.edges) all = all && fits(edge.vertices[0]) && fits(edge.vertices[1]);
-  return all && (mesh.regions.empty() || mesh.regions.size() == mesh.n_cells()) &&
-         std::ranges::all_of(mesh.points, [](const Vector3& p) { return p.allFinite(); });
-}
-
-bool indices_in_range(const SoupSurface& soup) {
-  const IndexedTriangleMesh& surface = soup.surface;
-  bool all = soup.patches.empty() || soup.patches.size() == surface.triangles.size();
-  for (const auto& t : surface.triangles)
-    for (const index_t v : t) all = all && v < surface.points.size();
-  return all && std::ranges::all_of(surface.points, [](const Vector3& p) { return p.allFinite(); });
-}
-
-/// @return whether what was read can be used.
-bool read(const std::string& file) {
-  const std::string extension = std::filesystem::path(file).extension().string();
-  if (extension == ".txt") {
-    const PlanarOutline outline = read_outline(file);
-    return std::ranges::all_of(outline.points, [](const auto& p) { return p.allFinite(); });
-  }
-  if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".ply")
-    return indices_in_range(read_surface(file));
-  return indices_in_range(read_mesh(file, {.volume = Volume::optional}));
-}
 
 /// One change: a byte, a bit, a cut, a repetition, a swap, or another number.
 void change(std::string& bytes, Random& random) {
@@ -94,7 +63,7 @@ Outcome damage(const std::filesystem::path& sample, std::size_t n, Random& rando
     std::ofstream(name, std::ios::binary) << bytes;
     alarm(20);
     try {
-      if (!read(name)) {
+      if (!test::reads_something_usable(name)) {
         std::printf("%s: read, but not usable (see %s)\n", sample.c_str(), name.c_str());
         std::exit(1);
       }

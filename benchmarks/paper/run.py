@@ -5,8 +5,10 @@
     run.py PROGRAM [--sizes small full shapes] [--only MODEL...] [--variants NAME...] [--ablation] [--again]
            [--models FOLDER] [--results FILE.json] [--meshes FOLDER]
     run.py PROGRAM --quick
+    run.py --steps PAPER_STEPS [--only MODEL...] [--again]
 
-PROGRAM is `framehex`. Each run is added to the results (results.json beside this file) as soon as it ends, so that the
+PROGRAM is `framehex`, PAPER_STEPS what the target of that name builds: the small models with steps switched off that the
+program has no option for. Each run is added to the results (results.json beside this file) as soon as it ends, so that the
 command can be interrupted and goes on where it stopped; --again measures what is there anew. tables.py makes the tables.
 
 --quick meshes a few small models and compares them with the stored results: exit status 1 when a share of hexahedra has
@@ -16,6 +18,7 @@ import argparse
 import json
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import time
@@ -166,6 +169,19 @@ def run_all(options, folder):
             mesh.unlink()
 
 
+def run_steps(options, folder):
+    for model, size in SMALL.items():
+        results = load(options.results)
+        steps = results.setdefault("steps", {})
+        if (options.only and model not in options.only) or (model in steps and not options.again):
+            continue
+        command = [options.steps, surface_file(options.models, model, folder), str(size)]
+        steps[model] = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        save(results, options.results)
+        shares = (f"{name} {row['hex_volume']:.1f} %" for name, row in steps[model].items())
+        print(f"{model}: {', '.join(shares)}", flush=True)
+
+
 def quick(options, folder):
     stored, failures = load(options.results)["runs"], []
     for model, variant in QUICK:
@@ -186,7 +202,8 @@ def quick(options, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("program", type=pathlib.Path, nargs="?")
+    parser.add_argument("--steps", type=pathlib.Path, metavar="PAPER_STEPS")
     parser.add_argument("--sizes", nargs="+", choices=SIZES, default=["small", "shapes", "full"])
     parser.add_argument("--only", nargs="+", metavar="MODEL")
     parser.add_argument("--variants", nargs="+", choices=VARIANTS, metavar="NAME")
@@ -197,9 +214,15 @@ def main():
     parser.add_argument("--results", type=pathlib.Path, default=HERE / "results.json")
     parser.add_argument("--meshes", type=pathlib.Path, help="keep the meshes here")
     options = parser.parse_args()
-    options.program = options.program.resolve()
+    if not options.program and not options.steps:
+        parser.error("PROGRAM or --steps is needed")
     with tempfile.TemporaryDirectory() as name:
-        return quick(options, pathlib.Path(name)) if options.quick else run_all(options, pathlib.Path(name))
+        folder = pathlib.Path(name)
+        if options.steps:
+            run_steps(options, folder)
+        if options.program:
+            options.program = options.program.resolve()
+            return quick(options, folder) if options.quick else run_all(options, folder)
 
 
 if __name__ == "__main__":

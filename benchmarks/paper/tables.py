@@ -114,6 +114,21 @@ def ablation(results):
     return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in NAMES) + " | mean | least SJ | open | CPU s", rows)
 
 
+def steps(results):
+    """Rows of the programs' single steps; the same columns as the ablation, and how many candidates there were."""
+    found = results.get("steps", {})
+    known = [found[model] for model in NAMES if model in found]
+    rows = []
+    for variant in known[0] if known else []:
+        mine = [found.get(model, {}).get(variant) for model in NAMES]
+        there = [row for row in mine if row]
+        means = " / ".join(f"{statistics.mean(row[share] for row in there):.1f}" for share in ("hex_number", "hex_volume"))
+        candidates = sum(row.get("candidates", 0) for row in there)
+        rows.append([variant, *(shares(row) if row else "–" for row in mine), means, f"{candidates:,}" if candidates else "",
+                     f"{min(row['least'] for row in there):.2f}", f"{sum(row['cpu'] for row in there):.0f}"])
+    return table("variant | " + " | ".join(f"{m} {SMALL[m]:g}" for m in NAMES) + " | mean | candidates | least SJ | CPU s", rows)
+
+
 def best_of_paper(results, paper):
     """The paper's best shares of each model, and the run of ours in the same terms that has most hexahedra by number."""
     rows = []
@@ -155,6 +170,7 @@ def main():
         "ours small": our_terms(results, "small", NAMES),
         "shapes": our_terms(results, "shapes", SHAPES),
         "ablation": ablation(results),
+        "steps": steps(results),
         "table 1": table_1(json.loads(options.cube.read_text()), paper),
     }
     if not options.into:
