@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: BSL-1.0
+# test_fuzz gives each target the inputs in corpus/. With the preset `fuzz` there is a fuzzer for each as well (scripts/fuzz.sh).
+find_package(pugixml CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(LibLZMA REQUIRED)
+set(fuzz_libraries framehex_development pugixml::pugixml ZLIB::ZLIB LibLZMA::LibLZMA)
+set(fuzz_targets readers validate recombine mesh_surface)
+foreach(name IN LISTS fuzz_targets)
+  target_sources(${test_target} PRIVATE fuzz/${name}.cpp)
+endforeach()
+target_link_libraries(${test_target} PRIVATE ${fuzz_libraries})
+target_compile_definitions(${test_target} PRIVATE FRAMEHEX_CORPUS="${CMAKE_CURRENT_SOURCE_DIR}/fuzz/corpus")
+
+if(FRAMEHEX_BUILD_FUZZERS)
+  foreach(name IN LISTS fuzz_targets)
+    add_executable(fuzz_${name} EXCLUDE_FROM_ALL fuzz/${name}.cpp fuzz/entry.cpp)
+    target_include_directories(fuzz_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+    target_link_libraries(fuzz_${name} PRIVATE ${fuzz_libraries} -fsanitize=fuzzer)
+    target_compile_definitions(fuzz_${name} PRIVATE FRAMEHEX_FUZZ_TARGET=fuzz_${name})
+  endforeach()
+endif()
