@@ -158,6 +158,38 @@ private:
   Deadline& deadline_;
 };
 
+/// The whole of `select`, for any executor.
+template <ConflictSource G>
+Selection select_on(ExecutorRef executor, const G& graph, const SelectOptions& options) {
+  check_options(options);
+  Deadline deadline(options.seconds, options.observer);
+  const auto watched = deadline.watch(executor);
+  Draft draft = Selector(options, watched, deadline).run(graph);
+  // Where a budget or the observer ended the search, something may still fit: heard of, and not to be stopped.
+  complete(graph, draft.members, by_number, [&] {
+    deadline.passed();
+    return false;
+  });
+  draft.weight = weight_in_units(graph, draft.members);
+  Selection selection;
+  selection.weight = from_units(graph, draft.weight);
+  selection.bound = from_units(graph, std::max(draft.bound, draft.weight));
+  selection.members = std::move(draft.members);
+  selection.iterations = draft.iterations;
+  if (draft.weight >= draft.bound)
+    selection.status = SelectionStatus::optimal;
+  else if (deadline.cancelled())
+    selection.status = SelectionStatus::cancelled;
+  else if (options.method == SelectMethod::best && selection.gap() <= options.gap)
+    selection.status = SelectionStatus::gap_reached;
+  return selection;
+}
+
+#ifdef FRAMEHEX_COMPILED
+extern template Selection select_on(ExecutorRef, const IncompatibilityGraph&, const SelectOptions&);
+extern template Selection select_on(ExecutorRef, const ImplicitIncompatibilityGraph&, const SelectOptions&);
+#endif
+
 }  // namespace detail
 
 /// Selects candidates that can stand in one mesh, of the largest weight that the budget allows, and proves how far from
@@ -179,28 +211,7 @@ private:
 ///                   and branch and bound win it back.
 template <ConflictSource G, Executor E = SerialExecutor>
 Selection select(const G& graph, const SelectOptions& options = {}, const E& executor = {}) {
-  check_options(options);
-  detail::Deadline deadline(options.seconds, options.observer);
-  const auto watched = deadline.watch(executor);
-  detail::Draft draft = detail::Selector(options, watched, deadline).run(graph);
-  // Where a budget or the observer ended the search, something may still fit: heard of, and not to be stopped.
-  detail::complete(graph, draft.members, detail::by_number, [&] {
-    deadline.passed();
-    return false;
-  });
-  draft.weight = detail::weight_in_units(graph, draft.members);
-  Selection selection;
-  selection.weight = detail::from_units(graph, draft.weight);
-  selection.bound = detail::from_units(graph, std::max(draft.bound, draft.weight));
-  selection.members = std::move(draft.members);
-  selection.iterations = draft.iterations;
-  if (draft.weight >= draft.bound)
-    selection.status = SelectionStatus::optimal;
-  else if (deadline.cancelled())
-    selection.status = SelectionStatus::cancelled;
-  else if (options.method == SelectMethod::best && selection.gap() <= options.gap)
-    selection.status = SelectionStatus::gap_reached;
-  return selection;
+  return detail::select_on(ExecutorRef(executor), graph, options);
 }
 
 }  // namespace framehex
