@@ -3,7 +3,7 @@
 #include "framehex/assembly/detail/optimization_impl.hpp"
 #include "framehex/assembly/detail/sound_assembly_impl.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
-#include "framehex/selection/select.hpp"
+#include "framehex/selection/detail/select_impl.hpp"
 
 namespace framehex::detail {
 
