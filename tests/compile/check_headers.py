@@ -6,7 +6,7 @@ Includes point up the list of layers only; the core includes the standard librar
 Boost.Geometry; every header has its licence line and guard and at most 500 lines; framehex.hpp has every header of the
 core, io.hpp those of io/, and neither an adapter; every number of a public options struct has its range in `each_number`.
 Bodies that users of framehex::compiled need not read are in detail/X_impl.hpp: X.hpp ends with it where FRAMEHEX_COMPILED
-is not defined, and a file of src/ includes it; nothing in it is `inline`, and headers do not include each other in a ring.
+is not defined, and a file of src/ includes it; its functions are FRAMEHEX_INLINE. Headers do not include each other in a ring.
 """
 import pathlib
 import re
@@ -84,8 +84,9 @@ def check_bodies(texts, sources, errors):
             errors.append(f"{body}: no header ends with its guarded include")
         if f'"framehex/{body}"' not in sources:
             errors.append(f"{body}: no file of src/ compiles it")
-        if re.search(r"^inline (?!constexpr)", texts[body], re.M):
-            errors.append(f"{body}: has what is `inline` and not `FRAMEHEX_INLINE`")
+        for above, line in zip(texts[body].split("\n"), texts[body].split("\n")[1:]):
+            if re.match(r"(?!FRAMEHEX_INLINE |inline constexpr )\w[\w:<>,&*\[\] ]* [\w:]+\(", line) and "template" not in above:
+                errors.append(f"{body}: '{line.split('(')[0]}' is not FRAMEHEX_INLINE")
 
 
 def check_rings(texts, errors):
