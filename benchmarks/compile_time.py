@@ -14,27 +14,31 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
+OWN_MESH = ROOT / "examples" / "own_mesh" / "own_mesh.cpp"
+# Name, code or file, and whether the unit is linked to `framehex::compiled`.
 UNITS = [
-    ("`framehex.hpp` included", '#include "framehex/framehex.hpp"\n'),
-    ("field header included", '#include "framehex/field/compute_frame_field.hpp"\n'),
+    ("`framehex.hpp` included", '#include "framehex/framehex.hpp"\n', False),
+    ("`framehex.hpp` included, linked to `framehex::compiled`", '#include "framehex/framehex.hpp"\n', True),
+    ("field header included", '#include "framehex/field/compute_frame_field.hpp"\n', False),
     ("finder used", '#include "framehex/mesh/indexed_mesh.hpp"\n'
                     '#include "framehex/recombination/potential_hex_finder.hpp"\n'
-                    "auto f(const framehex::IndexedTetMesh& m) { return framehex::find_potential_hexahedra(m); }\n"),
+                    "auto f(const framehex::IndexedTetMesh& m) { return framehex::find_potential_hexahedra(m); }\n", False),
     ("selection used", '#include "framehex/selection/select.hpp"\n'
-                       "auto f(const framehex::IncompatibilityGraph& g) { return framehex::select(g); }\n"),
+                       "auto f(const framehex::IncompatibilityGraph& g) { return framehex::select(g); }\n", False),
     ("field used", '#include "framehex/field/compute_frame_field.hpp"\n'
                    '#include "framehex/mesh/indexed_mesh.hpp"\n'
-                   "auto f(const framehex::IndexedTetMesh& m) { return framehex::compute_frame_field(m); }\n"),
-    ("`own_mesh` (field and recombination of a host's mesh)", ROOT / "examples" / "own_mesh" / "own_mesh.cpp"),
+                   "auto f(const framehex::IndexedTetMesh& m) { return framehex::compute_frame_field(m); }\n", False),
+    ("`own_mesh` (field and recombination of a host's mesh)", OWN_MESH, False),
+    ("`own_mesh`, linked to `framehex::compiled`", OWN_MESH, True),
     ("`mesh_surface` used", '#include "framehex/adapters/tetgen_process.hpp"\n'
                             '#include "framehex/pipeline/mesh_surface.hpp"\n'
                             "auto f(const framehex::IndexedTriangleMesh& m) {\n"
-                            "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n"),
+                            "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", False),
     ("`mesh_surface` used, linked to `framehex::compiled`",
      '#include "framehex/adapters/compiled.hpp"\n'
      "auto f(const framehex::IndexedTriangleMesh& m) {\n"
-     "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n"),
-    ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n"),
+     "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", True),
+    ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n", False),
 ]
 
 
@@ -56,12 +60,13 @@ def main():
     eigen = next(p for p in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.isdir(p))
     print(f"| {options.compiler} {options.flags} | CPU s | peak MB |\n| --- | ---: | ---: |")
     with tempfile.TemporaryDirectory() as folder:
-        for name, unit in UNITS:
+        for name, unit, compiled in UNITS:
             source = unit
             if isinstance(unit, str):
                 source = pathlib.Path(folder) / "unit.cpp"
                 source.write_text(unit)
             command = [options.compiler, "-std=c++20", *options.flags.split(), f"-I{ROOT / 'include'}", "-isystem", eigen,
+                       *(["-DFRAMEHEX_COMPILED"] if compiled else []),
                        "-c", str(source), "-o", os.path.join(folder, "unit.o")]
             runs = [compile_once(command) for _ in range(options.runs)]
             print(f"| {name} | {min(r[0] for r in runs):.1f} | {max(r[1] for r in runs):.0f} |", flush=True)

@@ -23,10 +23,12 @@ class Amalgamation:
         if header in self.done:
             return
         self.done.add(header)
-        body = []
+        body, bodies = [], []
         for line in (ROOT / header).read_text().splitlines():
             own, foreign = OWN.match(line), FOREIGN.match(line)
-            if own:
+            if own and own[1].endswith("_impl.hpp") and not header.endswith("_impl.hpp"):
+                bodies.append(own[1])  # of what this header declares
+            elif own:
                 self.add(own[1])
             elif foreign:
                 if foreign[1] not in self.foreign:
@@ -36,6 +38,8 @@ class Amalgamation:
         text = "\n".join(body).strip()
         if text:
             self.lines.append(f"\n// ---- {header}\n\n{text}\n")
+        for implementation in bodies:
+            self.add(implementation)
 
     def text(self):
         version = re.search(r'FRAMEHEX_VERSION "(.*)"', (ROOT / "framehex/version.hpp").read_text())[1]

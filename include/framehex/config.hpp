@@ -13,6 +13,14 @@
 #error "framehex cannot be compiled with -ffast-math, -ffinite-math-only or -fassociative-math"
 #endif
 
+// The target `framehex::compiled` defines FRAMEHEX_COMPILED for itself and for those who link it: long functions are then
+// declared only, and defined in the library. Otherwise the bodies are read by everyone (`detail/*_impl.hpp`).
+#ifdef FRAMEHEX_COMPILED
+#define FRAMEHEX_INLINE
+#else
+#define FRAMEHEX_INLINE inline
+#endif
+
 namespace framehex {
 
 /// Dense 0-based number of a vertex, a cell, a candidate.

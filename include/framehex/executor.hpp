@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -137,6 +138,38 @@ public:
 private:
   std::size_t workers_;
   std::shared_ptr<detail::ThreadPool> pool_;
+};
+
+/// Any executor, by reference: what takes it is compiled once for all of them.
+///
+/// The executor must outlive it. A block costs one indirect call more.
+class ExecutorRef {
+public:
+  template <Executor E>
+  requires(!std::same_as<E, ExecutorRef>)
+      ExecutorRef(const E& executor)  // NOLINT: whoever takes any executor is meant to be called with that
+      : executor_(&executor),
+        workers_([](const void* e) -> std::size_t { return static_cast<const E*>(e)->workers(); }),
+        run_([](const void* e, std::size_t n_blocks, void* body, Block block) {
+          (*static_cast<const E*>(e))(n_blocks, [=](std::size_t i, std::size_t worker) { block(body, i, worker); });
+        }) {}
+
+  std::size_t workers() const { return workers_(executor_); }
+
+  template <class Body>
+  void operator()(std::size_t n_blocks, Body&& body) const {
+    using B = std::remove_reference_t<Body>;
+    auto* const address = const_cast<std::remove_const_t<B>*>(std::addressof(body));
+    run_(executor_, n_blocks, address,
+         [](void* b, std::size_t block, std::size_t worker) { (*static_cast<B*>(b))(block, worker); });
+  }
+
+private:
+  using Block = void (*)(void* body, std::size_t block, std::size_t worker);
+
+  const void* executor_;
+  std::size_t (*workers_)(const void*);
+  void (*run_)(const void*, std::size_t n_blocks, void* body, Block);
 };
 
 /// An executor that asks on the calling thread, about twenty times a second, whether to go on; blocks not yet begun when

@@ -5,6 +5,8 @@
 Includes point up the list of layers only; the core includes the standard library, Eigen and Boost, and one header alone
 Boost.Geometry; every header has its licence line and guard and at most 500 lines; framehex.hpp has every header of the
 core, io.hpp those of io/, and neither an adapter; every number of a public options struct has its range in `each_number`.
+Bodies that users of framehex::compiled need not read are in detail/X_impl.hpp: X.hpp ends with it where FRAMEHEX_COMPILED
+is not defined, and a file of src/ includes it; its functions are FRAMEHEX_INLINE. Headers do not include each other in a ring.
 """
 import pathlib
 import re
@@ -71,6 +73,42 @@ def check(header, text, errors):
             errors.append(f"{header}: the core includes <{included}>")
 
 
+def check_bodies(texts, sources, errors):
+    """X.hpp, its bodies in detail/X_impl.hpp, and the file of src/ that compiles them."""
+    for body in (h for h in texts if h.endswith("_impl.hpp")):
+        folder, name = body.rsplit("/", 1)
+        own = name.replace("_impl.hpp", ".hpp")
+        header = next((h for h in (f"{folder}/{own}", f"{folder.removesuffix('/detail')}/{own}") if h in texts), None)
+        guarded = f'#ifndef FRAMEHEX_COMPILED\n#include "framehex/{body}"\n#endif\n'
+        if not folder.endswith("/detail") or not header or not texts[header].endswith(guarded):
+            errors.append(f"{body}: no header ends with its guarded include")
+        if f'"framehex/{body}"' not in sources:
+            errors.append(f"{body}: no file of src/ compiles it")
+        for above, line in zip(texts[body].split("\n"), texts[body].split("\n")[1:]):
+            if re.match(r"(?!FRAMEHEX_INLINE |inline constexpr )\w[\w:<>,&*\[\] ]* [\w:]+\(", line) and "template" not in above:
+                errors.append(f"{body}: '{line.split('(')[0]}' is not FRAMEHEX_INLINE")
+
+
+def check_rings(texts, errors):
+    """No header includes itself by way of others, but for the pair of a header and its bodies."""
+    includes = {h: [i for i in re.findall(r'^#include "framehex/([^"]+)"', text, re.M) if i in texts]
+                for h, text in texts.items()}
+    for body in (h for h in texts if h.endswith("_impl.hpp")):
+        includes[body] = [i for i in includes[body] if body not in includes[i]]
+    done = set()
+
+    def visit(header, above):
+        if header in above:
+            errors.append("headers include each other: " + " > ".join(above[above.index(header):] + [header]))
+        elif header not in done:
+            for other in includes[header]:
+                visit(other, above + [header])
+            done.add(header)
+
+    for header in texts:
+        visit(header, [])
+
+
 def broken_comments(header, text):
     """Lines that a formatter tore: a word or two left over from a line too long, before an indented continuation."""
     lines = text.split("\n")
@@ -100,6 +138,9 @@ def main():
         errors.extend(broken_comments(header, text))
         if "boost/geometry" in text:
             geometry.append(str(header))
+    texts = {h.as_posix(): (root / h).read_text() for h in headers}
+    check_bodies(texts, "".join(p.read_text() for p in (root.parent.parent / "src").glob("*.cpp")), errors)
+    check_rings(texts, errors)
     if len(geometry) > 1:
         errors.append(f"Boost.Geometry is included by more than one header: {', '.join(geometry)}")
     for umbrella in UMBRELLAS:

@@ -20,4 +20,10 @@ if(TARGET own_mesh)
   add_test(NAME "program: own_mesh" COMMAND own_mesh)
   set_tests_properties("program: own_mesh" PROPERTIES PASS_REGULAR_EXPRESSION
                                                       "384 tetrahedra became 64 cells, 64 of them hexahedra")
+  # A host's own mesh over the compiled library: the same file, byte for byte.
+  add_executable(own_mesh_compiled ${PROJECT_SOURCE_DIR}/examples/own_mesh/own_mesh.cpp)
+  target_link_libraries(own_mesh_compiled PRIVATE framehex::compiled)
+  add_test(NAME "program: own_mesh is the same over the compiled library"
+           COMMAND sh -c "\"$1\" headers.vtu && \"$2\" compiled.vtu && cmp headers.vtu compiled.vtu" --
+                   $<TARGET_FILE:own_mesh> $<TARGET_FILE:own_mesh_compiled>)
 endif()

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/detail/improver.hpp"
-#include "framehex/assembly/detail/mixed_export.hpp"
-#include "framehex/mesh/mixed_faces.hpp"
+#include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/observer.hpp"
 #include "framehex/option_ranges.hpp"
+
+#include <functional>
 
 namespace framehex {
 
@@ -37,20 +38,6 @@ struct OptimizationResult {
   Status status = Status::complete;  ///< cancelled: the mesh is as it was
 };
 
-namespace detail {
-
-inline std::array<double, 4> least_quality(const CellComplex& complex) {
-  std::array<double, 4> least{2, 2, 2, 2};
-  for (index_t cell = 0; cell < complex.cells.size(); ++cell) {
-    if (!complex.cells[cell].alive) continue;
-    double& q = least[static_cast<std::size_t>(complex.cells[cell].kind)];
-    q = std::min(q, complex.quality(cell));
-  }
-  return least;
-}
-
-}  // namespace detail
-
 /// Raises the quality of the bad cells of a mixed mesh by moving vertices near them.
 ///
 /// Interior vertices are free, boundary vertices go where `boundary_projection` puts them. A valid cell never becomes
@@ -64,48 +51,10 @@ inline std::array<double, 4> least_quality(const CellComplex& complex) {
 /// @par Complexity   O(n) to find the bad cells; then by their number.
 /// @par Source       The energy is a one-sided fourth power in the scaled Jacobian, minimised by damped Gauss-Newton
 ///                   steps one vertex at a time.
-inline OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& options = {}) {
-  check_options(options);
-  detail::CellComplex complex;
-  for (const Vector3& p : mesh.points) complex.add_vertex(p, false);
-  for (index_t cell = 0; cell < mesh.n_cells(); ++cell)
-    complex.add(mesh.kinds[cell], mesh.cells[cell], mesh.regions.empty() ? 0 : mesh.regions[cell], no_index);
-  for (const CellFace& face : faces_used_once(mesh))
-    for (std::size_t i = 0; i < face.size(); ++i)
-      complex.on_boundary[face.vertices[i]] = complex.is_protected[face.vertices[i]] = 1;
-  for (const LabelledFace& face : mesh.faces) complex.protected_faces.insert(detail::face_key(face.vertices));
-  for (const LabelledEdge& edge : mesh.edges) {
-    complex.protected_edges.insert(detail::face_key({edge.vertices[0], edge.vertices[1], no_index, no_index}));
-    for (const index_t v : edge.vertices) complex.is_protected[v] = 1;
-  }
-  OptimizationResult result;
-  result.before = detail::least_quality(complex);
-  AssemblyStatistics statistics;
-  detail::Pulse pulse(options.observer, "optimization");
-  detail::Improver improver(complex, detail::QualityEnergy::reaching(options.hexahedron_target, options.quality_target),
-                            options.boundary_projection, statistics, pulse);
-  if (options.reconnection == Reconnection::allowed)
-    improver.run(options.max_rounds, false);
-  else
-    improver.smooth(5 * options.max_rounds, true);
-  if (pulse.stopped()) {
-    result.status = Status::cancelled;
-    result.after = result.before;
-    return result;
-  }
-  result.after = detail::least_quality(complex);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    if (complex.points[v] != mesh.points[v]) ++result.n_moved;
-  if (options.reconnection == Reconnection::none) {
-    mesh.points = complex.points;
-    return result;
-  }
-  detail::MixedExport exported = detail::export_cells(complex, mesh.points.size());
-  exported.mesh.faces = std::move(mesh.faces);
-  exported.mesh.edges = std::move(mesh.edges);
-  if (mesh.regions.empty()) exported.mesh.regions.clear();
-  mesh = std::move(exported.mesh);
-  return result;
-}
+OptimizationResult optimize(MixedMesh& mesh, const OptimizationOptions& options = {});
 
 }  // namespace framehex
+
+#ifndef FRAMEHEX_COMPILED
+#include "framehex/assembly/detail/optimization_impl.hpp"
+#endif

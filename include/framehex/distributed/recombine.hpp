@@ -3,7 +3,7 @@
 
 #include "framehex/distributed/validation.hpp"
 #include "framehex/distributed/write_pvtu.hpp"
-#include "framehex/parts/recombine_in_parts.hpp"
+#include "framehex/parts/detail/recombine_in_parts_impl.hpp"
 
 namespace framehex::distributed {
 

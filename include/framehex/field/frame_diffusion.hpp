@@ -206,4 +206,10 @@ DiffusionReport diffuse_frames(const TetAdjacency& adjacency, std::span<const Ve
   return report;
 }
 
+#ifdef FRAMEHEX_COMPILED
+extern template DiffusionReport diffuse_frames(const TetAdjacency&, std::span<const Vector3>, std::span<Quaternion>,
+                                               std::span<const FrameConstraint>, std::span<const Vector3>,
+                                               const DiffusionOptions&, const ExecutorRef&, const detail::WholeMesh&);
+#endif
+
 }  // namespace framehex

@@ -63,7 +63,7 @@ public:
         throw invalid_field("the frame of vertex " + std::to_string(v) + " is not a unit quaternion", Entity::vertex,
                             {v});
     frames_ = std::move(frames);
-    smoothness_ = frame_smoothness(adjacency(), frames_, executor);
+    smoothness_ = frame_smoothness(adjacency(), frames_, ExecutorRef(executor));
   }
 
   /// Gives the vertices of the boundary their frames and constraints.
@@ -92,30 +92,31 @@ public:
   template <Executor E = SerialExecutor>
   void start_nearest(const Surface& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
                      const E& executor = {}) {
-    framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_, executor);
-    smoothness_ = frame_smoothness(adjacency(), frames_, executor);
+    framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_, ExecutorRef(executor));
+    smoothness_ = frame_smoothness(adjacency(), frames_, ExecutorRef(executor));
   }
 
   /// See `smooth_frames`.
   template <Executor E = SerialExecutor>
   SmoothingReport smooth(const SmoothingOptions& options = {}, const E& executor = {}) {
-    return smooth_frames(adjacency(), frames_, smoothness_, constraints_, axes_, options, executor);
+    return smooth_frames(adjacency(), frames_, smoothness_, constraints_, axes_, options, ExecutorRef(executor));
   }
 
   /// See `diffuse_frames`.
   template <Executor E = SerialExecutor>
   DiffusionReport diffuse(const DiffusionOptions& options = {}, const E& executor = {}) {
-    const DiffusionReport report = diffuse_frames(
-        adjacency(), std::span<const Vector3>(points()), std::span<Quaternion>(frames_),
-        std::span<const FrameConstraint>(constraints_), std::span<const Vector3>(axes_), options, executor);
-    smoothness_ = frame_smoothness(adjacency(), frames_, executor);
+    const DiffusionReport report =
+        diffuse_frames(adjacency(), std::span<const Vector3>(points()), std::span<Quaternion>(frames_),
+                       std::span<const FrameConstraint>(constraints_), std::span<const Vector3>(axes_), options,
+                       ExecutorRef(executor));
+    smoothness_ = frame_smoothness(adjacency(), frames_, ExecutorRef(executor));
     return report;
   }
 
   /// See `framehex::remove_small_loops`.
   std::size_t remove_small_loops() {
     const std::size_t n_removed = framehex::remove_small_loops(adjacency(), frames_, constraints_, axes_);
-    if (n_removed > 0) smoothness_ = frame_smoothness(adjacency(), frames_);
+    if (n_removed > 0) smoothness_ = frame_smoothness(adjacency(), frames_, ExecutorRef(SerialExecutor{}));
     return n_removed;
   }
 

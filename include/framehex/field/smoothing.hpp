@@ -226,4 +226,10 @@ SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternio
   return report;
 }
 
+#ifdef FRAMEHEX_COMPILED
+extern template SmoothingReport smooth_frames(const TetAdjacency&, std::span<Quaternion>, std::span<double>,
+                                              std::span<const FrameConstraint>, std::span<const Vector3>,
+                                              const SmoothingOptions&, const ExecutorRef&, const detail::WholeMesh&);
+#endif
+
 }  // namespace framehex

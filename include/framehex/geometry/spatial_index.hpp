@@ -4,10 +4,15 @@
 // The only header that includes Boost.Geometry, which costs seconds of compile time.
 #include "framehex/config.hpp"
 
+// It includes headers that Boost deprecates, which would be told to all who include this one.
+#pragma push_macro("BOOST_ALLOW_DEPRECATED_HEADERS")
+#undef BOOST_ALLOW_DEPRECATED_HEADERS
+#define BOOST_ALLOW_DEPRECATED_HEADERS
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/box.hpp>
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/index/rtree.hpp>
+#pragma pop_macro("BOOST_ALLOW_DEPRECATED_HEADERS")
 
 #include <algorithm>
 #include <cmath>

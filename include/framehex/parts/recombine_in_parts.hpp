@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/options.hpp"
-#include "framehex/mesh/mixed_mesh.hpp"
-#include "framehex/parts/detail/parts_recombiner.hpp"
+#include "framehex/executor.hpp"
+#include "framehex/parts/input.hpp"
+#include "framehex/parts/result.hpp"
+#include "framehex/parts/transport.hpp"
 
 namespace framehex {
 
@@ -23,15 +24,22 @@ namespace framehex {
 ///                   numbering, unless vertices lie at one place.
 template <Transport Tr, Executor E = SerialExecutor>
 PartRecombination recombine_in_parts(const PartInput& input, const Tr& transport, const PartsOptions& options = {},
-                                     const E& executor = {}) {
-  check_options(options);
-  return detail::PartsRecombiner<Tr, E>(input, transport, options, executor).run();
-}
+                                     const E& executor = {});
 
 /// The same where all cells lie in one place.
 template <Executor E = SerialExecutor>
 PartRecombination recombine_in_parts(const PartInput& input, const PartsOptions& options = {}, const E& executor = {}) {
-  return recombine_in_parts(input, SerialTransport{}, options, executor);
+  return recombine_in_parts(input, SerialTransport{}, options, ExecutorRef(executor));
 }
 
+#ifdef FRAMEHEX_COMPILED
+extern template PartRecombination recombine_in_parts(const PartInput&, const SerialTransport&, const PartsOptions&,
+                                                     const ExecutorRef&);
+#endif
+
 }  // namespace framehex
+
+// Those who link framehex::compiled and have a transport of their own include this themselves.
+#ifndef FRAMEHEX_COMPILED
+#include "framehex/parts/detail/recombine_in_parts_impl.hpp"
+#endif

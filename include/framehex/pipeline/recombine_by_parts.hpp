@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/pipeline/detail/recombine_by_parts.hpp"
+#include "framehex/parts/recombine_in_parts.hpp"
 #include "framehex/pipeline/recombine.hpp"
 
 namespace framehex {
+
+namespace detail {
+
+/// A mesh in one place, recombined in parts, as an assembly of the host's vertices and cells.
+Assembly join_parts(const std::vector<Vector3>& points, const TetAdjacency& adjacency, VertexNumbers numbers,
+                    PartRecombination part);
+
+}  // namespace detail
 
 /// `recombine` in parts: closing and improvement, prisms and contenders are worked on by all threads of the executor at the
 /// same time, and the result depends on the numbering no more. With one thread `recombine` takes half the time.
@@ -50,7 +58,7 @@ Recombination recombine_by_parts(const M& mesh, const RecombineOptions& options 
   result.seconds.search = part.search_seconds;
   result.seconds.selection = part.selection_seconds;
   result.seconds.assembly = part.assembly_seconds;
-  Assembly assembly = detail::PartsJoiner(points, adjacency, options.assembly.vertex_numbers, std::move(part)).take();
+  Assembly assembly = detail::join_parts(points, adjacency, options.assembly.vertex_numbers, std::move(part));
   result.mesh = std::move(assembly.mesh);
   result.vertex_of = std::move(assembly.vertex_of);
   result.result_of = std::move(assembly.result_of);
@@ -62,3 +70,7 @@ Recombination recombine_by_parts(const M& mesh, const RecombineOptions& options 
 }
 
 }  // namespace framehex
+
+#ifndef FRAMEHEX_COMPILED
+#include "framehex/pipeline/detail/recombine_by_parts_impl.hpp"
+#endif

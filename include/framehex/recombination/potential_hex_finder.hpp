@@ -6,6 +6,10 @@
 
 namespace framehex {
 
+#ifdef FRAMEHEX_COMPILED
+extern template class detail::PotentialCellFinder<8, detail::HexSearch>;
+#endif
+
 /// Every potential hexahedron of a tetrahedral mesh, for those who want it vertex by vertex; see
 /// `find_potential_hexahedra`.
 ///

@@ -229,7 +229,7 @@ public:
   /// All cells, in the order of their first vertices.
   template <Executor E = SerialExecutor>
   Candidates<Corners> find(const E& executor = {}) const {
-    return BlockwiseSearch<Corners, Search>(input_).run(executor);
+    return search(ExecutorRef(executor));
   }
 
   /// The cells whose first vertex is `v`: a part of what `find` gives. Safe from several threads at once.
@@ -243,6 +243,10 @@ public:
   const TetAdjacency& adjacency() const { return input_.adjacency(); }
 
 private:
+  Candidates<Corners> search(ExecutorRef executor) const {
+    return BlockwiseSearch<Corners, Search>(input_).run(executor);
+  }
+
   FinderInput input_;
   mutable FilterPool<CellFilter<Corners, Search>> filters_;
 };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/assemble.hpp"
-#include "framehex/parts/recombine_in_parts.hpp"
+#include "framehex/assembly/detail/cell_origins.hpp"
+#include "framehex/assembly/detail/mixed_export.hpp"
+#include "framehex/pipeline/recombine_by_parts.hpp"
 
 #include <numeric>
 
@@ -97,5 +98,10 @@ private:
   std::vector<index_t> vertex_;  ///< vertex of the part -> of the result
   Assembly result_;
 };
+
+FRAMEHEX_INLINE Assembly join_parts(const std::vector<Vector3>& points, const TetAdjacency& adjacency,
+                                    VertexNumbers numbers, PartRecombination part) {
+  return PartsJoiner(points, adjacency, numbers, std::move(part)).take();
+}
 
 }  // namespace framehex::detail
