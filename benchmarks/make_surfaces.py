@@ -78,10 +78,10 @@ def box(p, half):
 
 
 FUNCTIONS = {  # negative inside, with the half length of the box that is searched and the number of its cells
-    "gyroid_solid": (lambda p: numpy.maximum(gyroid(p), box(p, 4)), 4.3, 26),
-    "gyroid_sheet": (lambda p: numpy.maximum(numpy.abs(gyroid(p)) - 0.4, box(p, 3.5)), 3.8, 34),
-    "gyroid_ball": (lambda p: numpy.maximum(gyroid(p) - 0.3, numpy.sqrt((p * p).sum(axis=0)) - 5), 5.3, 30),
-    "schwarz": (lambda p: numpy.maximum(numpy.cos(p).sum(axis=0) - 0.2, box(p, 5)), 5.3, 28),
+    "gyroid_solid": (lambda p: numpy.maximum(gyroid(p), box(p, 4)), 4.3, 18),
+    "gyroid_sheet": (lambda p: numpy.maximum(numpy.abs(gyroid(p)) - 0.4, box(p, 3.5)), 3.8, 24),
+    "gyroid_ball": (lambda p: numpy.maximum(gyroid(p) - 0.3, numpy.sqrt((p * p).sum(axis=0)) - 5), 5.3, 20),
+    "schwarz": (lambda p: numpy.maximum(numpy.cos(p).sum(axis=0) - 0.2, box(p, 5)), 5.3, 18),
 }
 
 
@@ -91,37 +91,33 @@ def marching_tetrahedra(f, half, n):
     p = numpy.stack(numpy.meshgrid(axis, axis, axis, indexing="ij")).reshape(3, -1)
     values = f(p)
     index = numpy.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
-    points, triangles = {}, []
+    number, points, triangles = {}, [], []
 
     def crossing(a, b):
         a, b = min(a, b), max(a, b)
-        if (a, b) not in points:
+        if (a, b) not in number:
+            number[a, b] = len(points)
             t = min(max(values[a] / (values[a] - values[b]), 0.05), 0.95)
-            points[a, b] = len(points), (1 - t) * p[:, a] + t * p[:, b]
-        return points[a, b][0]
+            points.append((1 - t) * p[:, a] + t * p[:, b])
+        return number[a, b]
 
     for order in itertools.permutations(range(3)):
         corners = [numpy.zeros(3, int)]
         for along in order:
             corners.append(corners[-1] + numpy.eye(3, dtype=int)[along])
         tets = numpy.stack([index[c[0] : c[0] + n, c[1] : c[1] + n, c[2] : c[2] + n].ravel() for c in corners], axis=1)
-        mirrored = numpy.linalg.det(numpy.eye(3)[list(order)]) < 0
         inside = values[tets] < 0
-        for tet, of in zip(tets[inside.any(axis=1) & ~inside.all(axis=1)], inside[inside.any(axis=1) & ~inside.all(axis=1)]):
-            if mirrored:
-                tet, of = tet[[1, 0, 2, 3]], of[[1, 0, 2, 3]]
-            ins, outs = numpy.flatnonzero(of), numpy.flatnonzero(~of)
-            ring = [(i, o) for i in ins for o in outs]
-            if len(ring) == 4:
-                ring = [ring[0], ring[1], ring[3], ring[2]]
-            permutation = [*ins, *outs]
-            # Seen from outside, an even order of the corners runs one way round, an odd one the other.
-            odd = numpy.linalg.det(numpy.eye(4)[permutation]) < 0
-            loop = [crossing(tet[i], tet[o]) for i, o in ring]
-            if odd != (len(ins) == 2):
+        cut = inside.any(axis=1) & ~inside.all(axis=1)
+        for tet, of in zip(tets[cut], inside[cut]):
+            loop = [crossing(i, o) for i in tet[of] for o in tet[~of]]
+            if len(loop) == 4:
+                loop = [loop[0], loop[1], loop[3], loop[2]]
+            at = [points[corner] for corner in loop[:3]]
+            outward = p[:, tet[~of]].mean(axis=1) - p[:, tet[of]].mean(axis=1)
+            if numpy.cross(at[1] - at[0], at[2] - at[0]) @ outward < 0:
                 loop.reverse()
             triangles += [(loop[0], a, b) for a, b in zip(loop[1:], loop[2:])]
-    return [point for _, point in points.values()], triangles
+    return points, triangles
 
 
 def main():
