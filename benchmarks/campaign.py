@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSL-1.0
 """Meshes many surfaces at several sizes with the program and tabulates what came out.
 
-    campaign.py --program FRAMEHEX --results FOLDER [--cells 300 1000 ...] [--jobs N] [--limit SECONDS]
+    campaign.py --program FRAMEHEX [--results FOLDER] [--cells 300 1000 ...] [--jobs N] [--limit SECONDS]
                 [--sound PROGRAM] [--judge SCRIPT] [--also FOLDER] [SURFACE...]
 
 SURFACE: files, or folders whose .off, .stl, .obj and .ply are taken; without any, those of Debian's package libcgal-demo
@@ -202,18 +202,7 @@ def surfaces_of(names):
             yield name
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", required=True)
-    parser.add_argument("--results", required=True, type=pathlib.Path)
-    parser.add_argument("--cells", nargs="+", type=int, default=[300, 1000, 3000, 10000, 30000])
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--limit", type=int, default=600, help="processor seconds")
-    parser.add_argument("--sound", help="program that exits with 0 for a surface that bounds a body")
-    parser.add_argument("--judge", help="script that looks at a mesh and answers in JSON")
-    parser.add_argument("--also", help="a folder of more surfaces")
-    parser.add_argument("surface", nargs="*")
-    options = parser.parse_args()
+def run_all(options):
     names = options.surface or surfaces_of_debian(options.results)
     surfaces = list(surfaces_of(names + [options.also] * bool(options.also)))
     if len({name_of(s) for s in surfaces}) < len(surfaces):
@@ -234,7 +223,24 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for task in [pool.submit(one, surface, cells) for cells in options.cells for surface in surfaces]:
             task.result()
-    return 0 if print_summary(results) else 1
+    return print_summary(results)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--results", type=pathlib.Path)
+    parser.add_argument("--cells", nargs="+", type=int, default=[300, 1000, 3000, 10000, 30000])
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--limit", type=int, default=600, help="processor seconds")
+    parser.add_argument("--sound", help="program that exits with 0 for a surface that bounds a body")
+    parser.add_argument("--judge", help="script that looks at a mesh and answers in JSON")
+    parser.add_argument("--also", help="a folder of more surfaces")
+    parser.add_argument("surface", nargs="*")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        options.results = options.results or pathlib.Path(folder)
+        return 0 if run_all(options) else 1
 
 
 if __name__ == "__main__":
