@@ -16,6 +16,10 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_L
 add_test(NAME "program: checkMesh takes what is made for finite volumes"
          COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/benchmarks/solvers/check_mesh.py $<TARGET_FILE:framehex_program>
                  ${PROJECT_SOURCE_DIR}/tests/data/dome.ply:0.3 ${PROJECT_SOURCE_DIR}/tests/data/naca.ply:0.06)
+# A small part of the campaign (docs/robustness.md).
+add_test(NAME "program: surfaces turned at random are meshed, without a fault and without a poor cell"
+         COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/benchmarks/campaign.py --program $<TARGET_FILE:framehex_program>
+                 --cells 300 --limit 120 ${PROJECT_SOURCE_DIR}/tests/data)
 if(TARGET own_mesh)
   add_test(NAME "program: own_mesh" COMMAND own_mesh)
   set_tests_properties("program: own_mesh" PROPERTIES PASS_REGULAR_EXPRESSION

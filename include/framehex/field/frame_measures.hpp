@@ -63,11 +63,28 @@ std::vector<double> frame_smoothness(const TetAdjacency& adjacency, std::span<co
   return smoothness;
 }
 
+/// How much the gradients in a tetrahedron are worth: 1, but less and less the flatter it is below a height of some ten
+/// thousandths of its length.
+///
+/// Four points of a plane that is turned are not quite in it, and a tetrahedron of them has weights that are as large as
+/// it is flat: nothing can be solved beside them. In a body as thin as that all are worth little, and alike.
+///
+/// @param six_volumes  > 0, cubes of the points' unit.
+inline double worth_of_gradients(double six_volumes, const std::array<Vector3, 4>& corners) {
+  constexpr double flat = 1e-4;
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j) longest = std::max(longest, (corners[i] - corners[j]).squaredNorm());
+  const double height = six_volumes / (longest * std::sqrt(longest)) / flat;
+  return height < 1 ? height * height : 1;
+}
+
 /// Weight of every directed edge, in the order of `adjacency.vertices_of_vertex.values`, with which the sum of squared
 /// differences over edges approximates the Dirichlet integral.
 ///
 /// Linear finite elements (the "cotangent" weights), but never below a thousandth of the edge's share by volume:
-/// negative weights, which obtuse dihedral angles give, would let an energy fall without bound.
+/// negative weights, which obtuse dihedral angles give, would let an energy fall without bound. Flat tetrahedra count less
+/// (`worth_of_gradients`).
 ///
 /// @return lengths in the host's unit, all > 0 on a valid mesh; the same for both directions of an edge.
 /// @par Complexity   O(tetrahedra).
@@ -88,9 +105,10 @@ inline std::vector<double> dirichlet_weights(const TetAdjacency& adjacency, std:
     gradient[0] = -(gradient[1] + gradient[2] + gradient[3]);
     const double six_volumes = gradient[1].dot(b - a);
     if (!(six_volumes > 0)) continue;
+    const double worth = worth_of_gradients(six_volumes, {a, b, c, d});
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) {
-        const double value = -gradient[i].dot(gradient[j]) / (6 * six_volumes);
+        const double value = -worth * gradient[i].dot(gradient[j]) / (6 * six_volumes);
         const double share = 1e-3 * six_volumes / (6 * (points[tet[i]] - points[tet[j]]).squaredNorm());
         for (const offset_t s : {slot(tet[i], tet[j]), slot(tet[j], tet[i])}) {
           weights[s] += value;

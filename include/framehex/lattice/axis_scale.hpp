@@ -55,7 +55,8 @@ inline void add_scale_equations(const LatticeGraph& graph, index_t tet, std::spa
   for (std::size_t k = 1; k < 4; ++k) matching[k] = graph.matching(t[0], t[k]);
   Vector3 size_gradient = Vector3::Zero();
   for (std::size_t k = 0; k < 4; ++k) size_gradient += log_size[t[k]] * gradient[k];
-  const double volume = six_volumes / 6;
+  const double volume =
+      six_volumes / 6 * worth_of_gradients(six_volumes, {points[t[0]], points[t[1]], points[t[2]], points[t[3]]});
   for (std::size_t a = 0; a < 3; ++a) {
     Vector3 curl = Vector3::Zero(), axis = Vector3::Zero();
     for (std::size_t k = 0; k < 4; ++k) {

@@ -31,7 +31,7 @@ struct SelectOptions {
   std::size_t max_rounds = 60;
   /// Nodes of the tree search, in `best` and `exact`.
   std::size_t max_nodes = 2000;
-  /// `best` goes on to the proven optimum of components up to this many candidates.
+  /// `best` goes on to the proven optimum of components up to this many candidates, where that takes no more than seconds.
   std::size_t exact_below = 10000;
   std::uint64_t seed = 1;
   /// Stage "selection".

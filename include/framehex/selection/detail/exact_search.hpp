@@ -22,6 +22,7 @@ class ExactSearch {
 public:
   struct Limits {
     std::size_t max_rounds, max_nodes;
+    double max_work;  ///< of the branch and bound, see `RelaxationSearch::Limits`
     std::uint64_t seed;
   };
 
@@ -89,7 +90,8 @@ private:
     }
     const std::int64_t bound = relaxation.bound();
     if (ends(relaxation, search)) return bound;
-    RelaxationSearch tree(graph_, search.members(), {.max_nodes = limits_.max_nodes}, deadline_);
+    RelaxationSearch tree(graph_, search.members(), {.max_nodes = limits_.max_nodes, .max_work = limits_.max_work},
+                          deadline_);
     const bool complete = tree.run(std::move(relaxation));
     n_iterations_ += tree.iterations();
     search.offer(tree.members());

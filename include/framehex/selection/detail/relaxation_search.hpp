@@ -39,6 +39,8 @@ public:
   struct Limits {
     std::size_t max_nodes = 1000;         ///< of relaxations
     std::size_t max_price_nodes = 20000;  ///< of each search under prices
+    /// Iterations and nodes of all kinds, times the candidates of the whole graph: a node alone may take thousands.
+    double max_work = std::numeric_limits<double>::infinity();
   };
 
   /// @param members  the best selection known.
@@ -68,7 +70,8 @@ private:
   /// A part of the graph on its own; `ids` are the numbers in the whole graph, `taken` are settled in.
   void solve(const IncompatibilityGraph& graph, LpBound& relaxation, const std::vector<index_t>& ids,
              const std::vector<index_t>& taken) {
-    if (++n_nodes_ > limits_.max_nodes || deadline_.passed()) {
+    const double work = static_cast<double>(n_iterations_) * static_cast<double>(graph_.size());
+    if (++n_nodes_ > limits_.max_nodes || work > limits_.max_work || deadline_.passed()) {
       complete_ = false;
       return;
     }

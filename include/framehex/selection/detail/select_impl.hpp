@@ -109,11 +109,16 @@ private:
     draft.bound = partition_bound(graph);
     if (draft.weight >= draft.bound) return draft;
     if (proof_wanted(graph.size()))
-      ExactSearch<E>(graph, {options_.max_rounds, options_.max_nodes, options_.seed}, executor_, deadline_)
+      ExactSearch<E>(graph, {options_.max_rounds, options_.max_nodes, max_work(), options_.seed}, executor_, deadline_)
           .improve(draft);
     else
       close_gap(graph, draft);
     return draft;
+  }
+
+  /// Some seconds for `best`: what is proven by then mostly is so soon.
+  double max_work() const {
+    return options_.method == SelectMethod::exact ? std::numeric_limits<double>::infinity() : 3e7;
   }
 
   const SelectOptions& options_;
