@@ -3,7 +3,8 @@
 """Prints how the time of `plane` or `shell` grows: planar_speed.py PROGRAM [--surface FILE AREA] [--triangles N N ...]
 
 Of the plate with three holes, or a surface of that area, in as many triangles: CPU seconds and peak memory of the process, wall
-seconds of the stages, and the exponent of each from one size to the next. Needs numpy and what planar_pictures.py does.
+seconds of the stages, and the exponent of each from one size to the next. Memory is told as no less than this script's own,
+about 65 MB. Needs what planar_pictures.py does.
 """
 import argparse
 import json
