@@ -3,8 +3,8 @@
 """Prints how the time of `plane` or `shell` grows: planar_speed.py PROGRAM [--surface FILE AREA] [--triangles N N ...]
 
 Of the plate with three holes, or a surface of that area, in as many triangles: CPU seconds and peak memory of the process, wall
-seconds of the stages, and the exponent of each from one size to the next. Memory is told as no less than this script's own,
-about 65 MB. Needs what planar_pictures.py does.
+seconds of the stages, and the exponent of each from one size to the next. Memory is told as
+no less than this script's own, about 65 MB. Needs what planar_pictures.py does.
 """
 import argparse
 import json
@@ -20,12 +20,12 @@ AREA_OF_PLATE = 6.8
 
 
 def run(command, report):
-    """CPU seconds and peak memory in kB of a command, and its report."""
+    """CPU seconds of a command, and its report."""
     process = subprocess.Popen(command)
     _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
         raise SystemExit(f"{command} failed")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss, json.loads(report.read_text())
+    return usage.ru_utime + usage.ru_stime, json.loads(report.read_text())
 
 
 def main():
@@ -43,11 +43,12 @@ def main():
         before = None
         for wished in arguments.triangles:
             size = math.sqrt(2 * area / wished)
-            seconds, peak, told = run([arguments.program, command, source, "-o", folder / "mesh.vtu", "--size", str(size),
-                                       "--report", report, "--quiet"], report)
+            seconds, told = run([arguments.program, command, source, "-o", folder / "mesh.vtu", "--size", str(size),
+                                 "--report", report, "--quiet"], report)
             n = told["points"]["triangles"]
             times = {"CPU": seconds, **told["seconds"]}
-            print(f"{n:,} triangles, {peak / n:.2f} kB each: " + ", ".join(f"{k} {v:.2f}" for k, v in times.items()), flush=True)
+            print(f"{n:,} triangles, {told['peak_memory_bytes'] / n / 1000:.2f} kB each: " +
+                  ", ".join(f"{k} {v:.2f}" for k, v in times.items()), flush=True)
             if before:
                 growth = math.log(n / before[0])
                 print("  exponents: " + ", ".join(f"{k} {math.log(v / before[1][k]) / growth:.2f}"
