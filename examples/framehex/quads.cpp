@@ -73,7 +73,10 @@ void add_course(nlohmann::ordered_json& json, const framehex::QuadMeshing& resul
                     {"lengthened_curves", s.lengthened_curves},
                     {"split_edges", s.n_split_edges},
                     {"widened", s.n_widened_edges},
-                    {"shrunk", s.n_shrunk_places}};
+                    {"shrunk", s.n_shrunk_places},
+                    {"unfolded", s.n_unfolded},
+                    {"left_triangles", s.n_left_triangles}};
+  if (s.deviation > 0) json["deviation"] = s.deviation;
   json["seconds"] = {{"preparation", t.preparation},
                      {"field", t.field},
                      {"insertion", t.insertion},
@@ -105,6 +108,9 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
   end_progress();
   for (const framehex::index_t curve : result.statistics.lengthened_curves)
     remark(options, "curve " + std::to_string(curve) + " has one interval more than the size asks for");
+  if (result.statistics.n_left_triangles > 0)
+    remark(options, std::to_string(result.statistics.n_left_triangles) +
+                        " triangles are left: the domain is too thin or too sharp for convex quadrilaterals alone");
   if (!options.quiet) {
     print_summary(result.mesh, quality);
     std::printf(", %.2f s\n", result.seconds.total());

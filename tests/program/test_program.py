@@ -985,6 +985,20 @@ class TestQuadrilaterals(Case):
         self.assertGreater(report["points"]["widened"], 0)
         self.assertGreater(report["quality"]["scaled_jacobian_min"], 0.01)  # the sine of the angle is 0.0125
 
+    def test_a_wedge_too_sharp_for_quadrilaterals_keeps_triangles_and_says_so(self):
+        for more in ((), ("--no-improvement",)):
+            with self.subTest(more=more):
+                result = self.plane(self.outline("0 0\n2 -1e-4\n2 -1\n4 -1\n4 1\n2 1\n2 1e-4\n"), *more)
+                self.assertEqual(result.returncode, 0, result)
+                report = json.loads((self.folder / "out.json").read_text())
+                n_left = report["counts"]["triangles"]
+                self.assertGreater(n_left, 0)
+                self.assertEqual(report["points"]["left_triangles"], n_left)
+                self.assertIn(f"{n_left} triangles are left", result.stderr)
+                self.assertEqual(report["quality"]["folded_cells"], [])
+                found = meshio.read(self.folder / "out.vtu").cells_dict
+                self.assertEqual((len(found["quad"]), len(found["triangle"])), (report["counts"]["quadrilaterals"], n_left))
+
     def test_faces_alone_are_inspected_and_not_shown(self):
         made = self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("quads.vtu"), "--report",
                                 self.path("told.json"), "--size", 0.125, "--quiet")

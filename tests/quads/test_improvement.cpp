@@ -195,3 +195,50 @@ TEST_CASE("intervals are added so that every patch is even, no more than one a p
     }
   }
 }
+
+TEST_CASE("improvement that keeps cells sound never folds one, and does improve") {
+  std::mt19937_64 engine(31);
+  double before = 0, after = 0;
+  for (int i = 0; i < 40; ++i) {
+    CAPTURE(i);
+    const Surface surface(flat_delaunay(random_flat_points(20 + static_cast<std::size_t>(i), engine)));
+    const FeatureCarriers carriers(surface);
+    QuadMesh mesh = quadrangulate(surface, LemonMatcher{}, {.goal = QuadGoal::pairs}).mesh;
+    const auto is_convex_exactly = [](const QuadMesh& m, const QuadMesh::Cell& cell) {
+      const std::size_t n = QuadMesh::n_corners(cell);
+      for (std::size_t k = 0; k < n; ++k)
+        if (projected_orientation(2, m.points[cell[k]], m.points[cell[(k + 1) % n]], m.points[cell[(k + 2) % n]]) <= 0)
+          return false;
+      return true;
+    };
+    // Pairs that are folded fall back into their triangles.
+    const QuadImprovement judged = improve_quads(mesh, carriers, {.rounds = 0, .sweeps = 0});
+    CHECK(judged.n_folded_given == judged.folded.size());
+    for (const index_t cell : judged.folded) {
+      const QuadMesh::Cell c = mesh.cells[cell];
+      REQUIRE(c[3] != no_index);
+      mesh.cells[cell] = {c[0], c[1], c[2], no_index};
+      mesh.cells.push_back({c[0], c[2], c[3], no_index});
+      mesh.patches.push_back(0);
+    }
+    for (const auto& cell : mesh.cells) REQUIRE(is_convex_exactly(mesh, cell));
+    const QuadImprovement improved = improve_quads(mesh, carriers, {.scope = QuadImprovementScope::sound});
+    CHECK(improved.n_folded_given == 0);
+    CHECK(improved.folded.empty());
+    for (const auto& cell : improved.mesh.cells) REQUIRE(is_convex_exactly(improved.mesh, cell));
+    CHECK(topology_fault(improved.mesh) == std::nullopt);
+    CHECK(euler_characteristic(improved.mesh) == 1);
+    const auto mean = [](const QuadMesh& m) {
+      double sum = 0;
+      for (const auto& cell : m.cells) {
+        std::vector<Vector3> p;
+        for (std::size_t k = 0; k < QuadMesh::n_corners(cell); ++k) p.push_back(m.points[cell[k]]);
+        sum += scaled_jacobian(p, Vector3::UnitZ()) / static_cast<double>(m.cells.size());
+      }
+      return sum;
+    };
+    before += mean(mesh) / 40;
+    after += mean(improved.mesh) / 40;
+  }
+  CHECK(after > before + 0.05);
+}

@@ -184,15 +184,33 @@ TEST_CASE("thin regions and sharp corners become quadrilaterals") {
   }
 }
 
-TEST_CASE("where no convex cell fits, an error names the place") {
-  const PlanarOutline outline = one_loop({{0, 0}, {1, 0}, {1, 1e-8}});  // its corner is flat, to all accuracy asked for
-  try {
-    mesh_planar(outline, ConstantSize{0.2}, LemonMatcher{});
-    FAIL("a cell with a corner of 1e-8 rad is as good as folded");
-  } catch (const invalid_surface& e) {
-    CHECK(e.entity() == Entity::vertex);
-    CHECK(std::set<std::size_t>(e.indices().begin(), e.indices().end()) == std::set<std::size_t>{0, 1, 2});
-  }
+TEST_CASE("where convex quadrilaterals do not fit, triangles are left and counted") {
+  for (const auto scope : {QuadImprovementScope::everywhere, QuadImprovementScope::folded})
+    for (const double angle : {1e-3, 1e-8}) {  // rad
+      CAPTURE(angle);
+      const double h = std::tan(angle / 2);
+      const PlanarOutline outline =
+          one_loop({{0, 0}, {2, -2 * h}, {2, -1}, {4, -1}, {4, 1}, {2, 1}, {2, 2 * h}});  // a wedge before a square
+      const QuadMeshing result =
+          mesh_planar(outline, ConstantSize{0.3}, LemonMatcher{}, {.improvement = {.scope = scope}});
+      const QuadMesh& mesh = result.mesh;
+      CHECK(result.statistics.n_left_triangles == mesh.n_triangles());
+      CHECK(result.statistics.n_left_triangles > 0);
+      CHECK(2 * mesh.n_triangles() < mesh.cells.size());
+      CHECK(topology_fault(mesh) == std::nullopt);
+      CHECK(euler_characteristic(mesh) == 1);
+      double covered = 0;
+      for (const auto& cell : mesh.cells) {
+        const std::size_t n = QuadMesh::n_corners(cell);
+        for (std::size_t i = 0; i < n; ++i) {  // exactly convex, all the way round
+          const auto at = [&](std::size_t k) -> const Vector3& { return mesh.points[cell[(i + k) % n]]; };
+          REQUIRE(projected_orientation(2, at(0), at(1), at(2)) > 0);
+          const Vector3 &p = mesh.points[cell[i]], &q = mesh.points[cell[(i + 1) % n]];
+          covered += (p.x() * q.y() - p.y() * q.x()) / 2;
+        }
+      }
+      CHECK(covered == Approx(4 + 4 * h));
+    }
 }
 
 TEST_CASE("without improvement: a mesh all the same, moved only where cells would be folded") {
@@ -305,6 +323,55 @@ TEST_CASE("shells: open and closed surfaces") {
     return tube.points[t[0]].y() + tube.points[t[1]].y() + tube.points[t[2]].y() < 0;
   });
   check_result(mesh_shell(tube, ConstantSize{0.2}, LemonMatcher{}), Surface(tube), 0, 0.9);
+}
+
+TEST_CASE(
+    "shells stay within one hundredth of the diagonal of a sphere, half a sphere and a torus, whatever the size") {
+  // Against the surfaces themselves, of which the input is a fine triangulation.
+  const auto check_near = [](const IndexedTriangleMesh& surface, double size, int characteristic, auto&& distance) {
+    CAPTURE(size, characteristic);
+    const QuadMeshing result = mesh_shell(surface, ConstantSize{size}, LemonMatcher{});
+    check_result(result, Surface(surface), characteristic, 0.9);
+    const double diagonal = bounding_box(surface.points).diagonal().norm();
+    double largest = 0;
+    for (const auto& c : result.mesh.cells)
+      for (int i = 0; i <= 6; ++i)
+        for (int j = 0; j <= 6; ++j) {  // of the bilinear patch
+          const double u = i / 6.0, v = j / 6.0;
+          const auto& p = result.mesh.points;
+          const Vector3 x =
+              (1 - u) * (1 - v) * p[c[0]] + u * (1 - v) * p[c[1]] + u * v * p[c[2]] + (1 - u) * v * p[c[3]];
+          largest = std::max(largest, std::abs(distance(x)) / diagonal);
+        }
+    CHECK(largest < 0.01);
+    CHECK(result.statistics.deviation <= 0.0101);
+    CHECK(result.statistics.deviation > 0.5 * largest);
+  };
+  const auto to_sphere = [](const Vector3& p) { return p.norm() - 1; };
+  const IndexedTriangleMesh sphere = sphere_surface(1, 5);
+  IndexedTriangleMesh half;  // by latitudes
+  const index_t n = 96, rings = 24;
+  half.points.emplace_back(0, 0, 1);
+  for (index_t j = 1; j <= rings; ++j)
+    for (index_t i = 0; i < n; ++i) {
+      const double a = 2 * std::numbers::pi * i / n, b = std::numbers::pi / 2 * j / rings;
+      half.points.emplace_back(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), std::cos(b));
+    }
+  for (index_t i = 0; i < n; ++i) {
+    half.triangles.push_back({0, 1 + i, 1 + (i + 1) % n});
+    for (index_t j = 0; j + 1 < rings; ++j) {
+      const index_t a = 1 + j * n + i, b = 1 + j * n + (i + 1) % n;
+      half.triangles.push_back({a, a + n, b + n});
+      half.triangles.push_back({a, b + n, b});
+    }
+  }
+  for (const double size : {0.2, 0.4, 1.0}) {
+    check_near(sphere, size, 2, to_sphere);
+    check_near(half, size, 1, to_sphere);
+  }
+  for (const double size : {0.2, 0.8})
+    check_near(torus_surface(2, 0.7, 160, 60), size, 0,
+               [](const Vector3& p) { return std::hypot(std::hypot(p.x(), p.y()) - 2, p.z()) - 0.7; });
 }
 
 TEST_CASE("shells: bad input is refused by name, and work can be cancelled") {

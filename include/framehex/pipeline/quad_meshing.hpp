@@ -30,7 +30,7 @@ struct QuadMeshingOptions {
   QuadrangulationOptions quads = {};
   QuadImprovementOptions improvement = {};
   double max_field_triangles =
-      100'000;             ///< >= 1; the cross field is found on triangles larger than the size beyond that
+      50'000;              ///< >= 1; the cross field is found on triangles larger than the size beyond about that
   Observer observer = {};  ///< replaces those of the stages when set
 
   template <class Options, class Visit>
@@ -73,6 +73,12 @@ struct QuadMeshingStatistics {
   std::size_t n_split_edges = 0;    ///< of curves, after the triangulation, for the same reason
   std::size_t n_widened_edges = 0;  ///< that got a vertex because they lead from curve to curve where no cell fitted
   std::size_t n_shrunk_places = 0;  ///< about which cells are smaller, because the input was too far from them
+  /// Cells of the last attempt that were folded as they were joined; improvement has unfolded them.
+  std::size_t n_unfolded = 0;
+  /// Triangles of the mesh where no attempt left convex quadrilaterals alone; otherwise 0.
+  std::size_t n_left_triangles = 0;
+  /// Of a shell: greatest distance found between background and mesh, both ways, over the diagonal of the input's box.
+  double deviation = 0;
 };
 
 /// Quadrilaterals, and how they came about.

@@ -11,6 +11,7 @@ namespace framehex {
 enum class QuadImprovementScope {
   everywhere,
   folded,  ///< no more than it takes to unfold cells, and those below a scaled Jacobian of 0.05 with them
+  sound    ///< everywhere, but cells are never folded on the way: without folded cells given, none comes out
 };
 
 struct QuadImprovementOptions {
@@ -32,10 +33,11 @@ struct QuadImprovementOptions {
 struct QuadImprovement {
   QuadMesh mesh;
   std::vector<index_t> vertex_of;  ///< for each vertex: that of the mesh given, or `no_index` for a new one
-  /// Cells of `mesh` that are not convex, seen against the mean normal at their corners, or have a corner that is flat
-  /// (a scaled Jacobian below 1e-6).
+  /// Cells of `mesh` that are not convex, seen against the mean normal at their corners, and quadrilaterals that have a
+  /// corner that is flat (a scaled Jacobian below 1e-6).
   std::vector<index_t> folded;
-  std::size_t n_changes = 0;  ///< of the connectivity
+  std::size_t n_folded_given = 0;  ///< such cells of the mesh given, once its vertices lie on their patches and curves
+  std::size_t n_changes = 0;       ///< of the connectivity
   Status status = Status::complete;
 };
 
@@ -52,6 +54,8 @@ public:
 
   QuadImprovement run() {
     QuadImprovement result;
+    result.n_folded_given = folded_cells().size();
+    smoother_.keep_sound(options_.scope == QuadImprovementScope::sound);
     const bool done = options_.scope == QuadImprovementScope::folded ? unfold() : improve();
     if (!done) result.status = Status::cancelled;
     write(result);
@@ -70,7 +74,7 @@ private:
   }
 
   bool improve() {
-    if (options_.rounds > 0) cleaner_.remove_doublets();
+    if (options_.rounds > 0 && options_.scope == QuadImprovementScope::everywhere) cleaner_.remove_doublets();
     if (!smooth()) return false;
     for (int round = 0; round < options_.rounds; ++round) {
       const std::size_t before = cleaner_.n_changes();

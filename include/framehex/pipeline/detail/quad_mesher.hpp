@@ -35,27 +35,39 @@ public:
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
-    // No cell that is folded is ever handed out: where one is left, the next attempt gives it more room. Where the input
-    // is far from a sound mesh, the next has a smaller size.
-    for (int attempt = 0;; ++attempt) {
+    // No cell that is folded is ever handed out: where one is left, the next attempt gives it more room, and the last
+    // resort are triangles. Where the input is far from a sound mesh, the next has a smaller size.
+    for (int n_folded = 0, n_far = 0; n_folded < most_widenings;) {
       if (!fill_patches()) return cancelled<QuadMeshing>();
-      const bool is_last = attempt == most_attempts;
       if (!folded_.empty()) {
-        if (is_last && sound_) return std::move(*sound_);
-        if (is_last) refuse();
+        if (n_folded > 1 && folded_.size() >= folded_before_) break;
+        folded_before_ = folded_.size();
         remember_folded();
-      } else if (is_last || !shrink_where_far()) {
-        return std::move(result_);
-      } else {
-        sound_ = result_;
+        ++n_folded;
+        continue;
       }
+      const std::vector<SizeLimit> limits = limits_where_far();
+      if (limits.empty()) return std::move(result_);
+      if (!sound_ || result_.statistics.deviation < sound_->statistics.deviation) sound_ = result_;
+      if (n_far++ == most_shrinkings) break;
+      size_.add(limits);
+      result_.statistics.n_shrunk_places = size_.limits().size();
     }
+    if (sound_) {
+      sound_->seconds = result_.seconds;
+      return std::move(*sound_);
+    }
+    if (!leave_triangles()) return cancelled<QuadMeshing>();
+    limits_where_far();
+    return std::move(result_);
   }
 
 private:
-  static constexpr int most_attempts = 3;    ///< after the first
-  static constexpr double negligible = 0.4;  ///< of the size: a distance that does not count as far
-  static constexpr double smaller = 0.6;     ///< of the size, where the mesh is too far from the input
+  static constexpr double halved = 2.5;        ///< triangles whose edges are halved to be short, by those that just are
+  static constexpr int most_widenings = 4;     ///< attempts that leave folded cells
+  static constexpr int most_shrinkings = 5;    ///< attempts that are too far from the input, after the first
+  static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
+  static constexpr double shrink_margin = 0.8;  ///< to a size that would just do
 
   /// @return false when told to stop.
   bool fill_patches() {
@@ -66,9 +78,44 @@ private:
     if (!going("quadrangulation")) return false;
     join_triangles();
     watch_.lap(result_.seconds.quadrangulation);
-    if (!improve()) return false;
+    if (!improve(options_.improvement)) return false;
     watch_.lap(result_.seconds.improvement);
     return true;
+  }
+
+  /// Joins no triangles but those that make a convex quadrilateral and share an edge, and keeps cells so.
+  bool leave_triangles() {
+    folded_places_.clear();
+    options_.quads.goal = QuadGoal::pairs;
+    QuadImprovementOptions improvement = options_.improvement;
+    improvement.rounds = improvement.sweeps = 0;  // to find out what is folded
+    if (!sample_surface()) return false;
+    watch_.lap(result_.seconds.insertion);
+    if (!retriangulate_surface()) return false;
+    watch_.lap(result_.seconds.triangulation);
+    join_triangles();
+    watch_.lap(result_.seconds.quadrangulation);
+    if (!improve(improvement)) return false;
+    split_folded();
+    if (options_.improvement.scope != QuadImprovementScope::folded) improvement = options_.improvement;
+    improvement.scope = QuadImprovementScope::sound;
+    if (!improve(improvement)) return false;
+    if (!folded_.empty()) refuse();
+    result_.statistics.n_left_triangles = result_.mesh.n_triangles();
+    watch_.lap(result_.seconds.improvement);
+    return true;
+  }
+
+  /// Back to the two triangles that a quadrilateral was joined of.
+  void split_folded() {
+    QuadMesh& mesh = result_.mesh;
+    for (const index_t cell : folded_) {
+      const QuadMesh::Cell c = mesh.cells[cell];
+      if (c[3] == no_index) continue;
+      mesh.cells[cell] = {c[0], c[1], c[2], no_index};
+      mesh.cells.push_back({c[0], c[2], c[3], no_index});
+      mesh.patches.push_back(index_t{mesh.patches[cell]});
+    }
   }
 
   bool going(std::string_view stage) const { return keep_going(options_.observer, stage, 0); }
@@ -80,7 +127,8 @@ private:
     double sum = 0;
     index_t hint = no_index;
     for (const Vector3& p : input_.points) sum += checked_size(size_, p, hint);
-    const double coarser = std::sqrt(std::max(1.0, 2 * n_points / options_.max_field_triangles));
+    const double n_triangles = halved * 2 * n_points;
+    const double coarser = std::sqrt(std::max(1.0, n_triangles / options_.max_field_triangles));
     const double edge = coarser * sum / static_cast<double>(input_.points.size());
     RefinedSurface refined =
         refine(input_, [edge](const Vector3&) { return edge; }, {.locator = &locator_, .observer = options_.observer});
@@ -145,7 +193,6 @@ private:
   void widen_thin_strips() {
     if (folded_places_.empty()) return;
     const std::vector<EdgeHalver::Edge> across = edges_across_strips(surface_, folded_places_);
-    if (across.empty() && !sound_) refuse();
     EdgeHalver(surface_).run(across);
     result_.statistics.n_widened_edges = across.size();
   }
@@ -190,11 +237,12 @@ private:
     return Quaternion(axes).normalized();
   }
 
-  bool improve() {
-    QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options_.improvement);
+  bool improve(const QuadImprovementOptions& options) {
+    QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options);
     if (improved.status != Status::complete) return false;
     result_.mesh = std::move(improved.mesh);
     folded_ = std::move(improved.folded);
+    result_.statistics.n_unfolded = improved.n_folded_given;
     return true;
   }
 
@@ -206,28 +254,43 @@ private:
     return sum / static_cast<double>(n);
   }
 
-  /// Makes the size smaller where vertices of the background are too far from the mesh. @return false: none is.
-  bool shrink_where_far() {
+  /// Lengths that bring mesh and input nearer to each other, where they are farther apart than is allowed: vertices of
+  /// the background from the mesh, the middles of cells and of their edges from the input.
+  std::vector<SizeLimit> limits_where_far() {
     const Eigen::AlignedBox3d box = bounding_box(input_.points);
-    if (box.sizes().minCoeff() == 0) return false;  // all lies in a plane
-    const double tolerance = options_.retriangulation.max_deviation * box.diagonal().norm();
+    if (box.sizes().minCoeff() == 0) return {};  // all lies in a plane
+    const double diagonal = box.diagonal().norm(), tolerance = options_.retriangulation.max_deviation * diagonal;
+    double& farthest = result_.statistics.deviation = 0;
+    std::vector<SizeLimit> limits;
+    const auto add = [&](const Vector3& p, double distance) {
+      farthest = std::max(farthest, distance / diagonal);
+      if (distance <= tolerance) return;
+      // Of a curved surface chords are off by the square of their length.
+      const double ratio = std::max(least_shrink, shrink_margin * std::sqrt(tolerance / distance));
+      limits.push_back({p, ratio * size_(p)});
+    };
     IndexedTriangleMesh mesh{result_.mesh.points, {}};
-    for (const QuadMesh::Cell& c : result_.mesh.cells) {
+    for (index_t q = 0; q < result_.mesh.cells.size(); ++q) {
+      const QuadMesh::Cell& c = result_.mesh.cells[q];
       mesh.triangles.push_back({c[0], c[1], c[2]});
       if (c[3] != no_index) mesh.triangles.push_back({c[0], c[2], c[3]});
+      const Vector3 middle = centre(q);
+      double radius = 0;
+      for (std::size_t i = 0; i < QuadMesh::n_corners(c); ++i)
+        radius = std::max(radius, (mesh.points[c[i]] - middle).norm());
+      if (radius <= tolerance) continue;  // its corners are on the input
+      add(middle, locator_.nearest(middle).distance);
+      for (std::size_t i = 0, n = QuadMesh::n_corners(c); i < n; ++i) {
+        const Vector3 p = (mesh.points[c[i]] + mesh.points[c[(i + 1) % n]]) / 2;
+        add(p, locator_.nearest(p).distance);
+      }
     }
     const SurfaceLocator to_mesh(mesh);
     const Surface& surface = result_.background;
-    std::vector<SizeLimit> limits;
-    for (index_t v = 0; v < surface.points.size(); ++v) {
-      if (surface.adjacency.triangles_of_vertex[v].empty()) continue;
-      const double size = size_(surface.points[v]);
-      if (to_mesh.nearest(surface.points[v]).distance > std::max(tolerance, negligible * size))
-        limits.push_back({surface.points[v], smaller * size});
-    }
-    size_.add(limits);
-    result_.statistics.n_shrunk_places = size_.limits().size();
-    return !limits.empty();
+    for (index_t v = 0; v < surface.points.size(); ++v)
+      if (!surface.adjacency.triangles_of_vertex[v].empty())
+        add(surface.points[v], to_mesh.nearest(surface.points[v]).distance);
+    return limits;
   }
 
   void remember_folded() {
@@ -236,11 +299,9 @@ private:
 
   [[noreturn]] void refuse() const {
     const auto& near = input_.triangles()[locator_.nearest(centre(folded_.front())).triangle];
-    const bool in_part = options_.improvement.scope == QuadImprovementScope::folded;
-    throw invalid_surface("no convex cell of this size fits between vertices " + std::to_string(near[0]) + ", " +
+    throw invalid_surface("no cell of this size fits between vertices " + std::to_string(near[0]) + ", " +
                               std::to_string(near[1]) + " and " + std::to_string(near[2]) +
-                              ": the domain is too thin, or turns too much, for the size there" +
-                              (in_part ? "; improvement everywhere may find one" : ""),
+                              ": the domain is too thin, or turns too much, for the size there",
                           Entity::vertex, {near[0], near[1], near[2]});
   }
 
@@ -250,12 +311,13 @@ private:
 
   Stopwatch watch_;
   QuadMeshing result_;
-  std::optional<QuadMeshing> sound_;  // of an attempt that was too far from the input
+  std::optional<QuadMeshing> sound_;  // of the attempt without folded cells that was nearest to the input
   Surface input_;
   SurfaceLocator locator_;  // of the input
   Surface surface_;         // through the samples
   SurfaceInsertion samples_;
   std::vector<index_t> folded_;         // cells of the last attempt
+  std::size_t folded_before_ = 0;       // number of those of the one before
   std::vector<Vector3> folded_places_;  // of all attempts
 };
 

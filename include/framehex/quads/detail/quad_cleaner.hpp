@@ -223,9 +223,10 @@ private:
     for (int sweep = 0; sweep < 5; ++sweep)
       for (const index_t v : region_) smoother_.relax(v);
     const double after = least_quality();
-    const bool accepted = purpose == Purpose::regularity
-                              ? after >= std::min(before, good)
-                              : after >= before - 1e-3 && deficit() < deficit_before - least_gain;
+    const bool better = purpose == Purpose::regularity
+                            ? after >= std::min(before, good)
+                            : after >= before - 1e-3 && deficit() < deficit_before - least_gain;
+    const bool accepted = better && (!smoother_.keeps_sound() || all_sound());
     if (accepted) {
       quads_.keep();
       changed_.insert(changed_.end(), region_.begin(), region_.end());
@@ -283,6 +284,11 @@ private:
     for (const index_t v : region_)
       if (quads_.half_edge_of[v] != no_index) sum += std::max(0.0, good - smoother_.least_quality(v));
     return sum;
+  }
+
+  bool all_sound() const {
+    return std::all_of(region_.begin(), region_.end(),
+                       [&](index_t v) { return quads_.half_edge_of[v] == no_index || smoother_.all_sound(v); });
   }
 
   double least_quality() const {

@@ -23,6 +23,10 @@ public:
       if (quads_.half_edge_of[v] != no_index) place(v, quads_.points[v]);
   }
 
+  /// Whether steps that leave a cell folded are not made.
+  void keep_sound(bool keep) { keep_sound_ = keep; }
+  bool keeps_sound() const { return keep_sound_; }
+
   /// One step of a vertex towards the least energy of its cells. @return how far it moved, in mean edges about it.
   double relax(index_t v) {
     if (quads_.is_fixed(v) || quads_.half_edge_of[v] == no_index) return 0;
@@ -38,7 +42,8 @@ public:
     for (int halvings = 0; halvings < 6; ++halvings, step /= 2) {
       if (step.norm() < 1e-7 * edge) break;
       place(v, old + step);
-      if (energy(v, least) < model.energy * (1 - 1e-9)) return (quads_.points[v] - old).norm() / edge;
+      if (energy(v, least) < model.energy * (1 - 1e-9) && (!keep_sound_ || all_sound(v)))
+        return (quads_.points[v] - old).norm() / edge;
     }
     place(v, old);
     return 0;
@@ -63,8 +68,16 @@ public:
     return framehex::is_convex(places(q, storage), normal(q));
   }
 
-  /// Convex, and not for want of rounding: a corner on a straight side is as good as folded.
-  bool is_sound(index_t q) const { return is_convex(q) && quality(q) > flat; }
+  /// Convex, and not for want of rounding: a quadrilateral's corner on a straight side is as good as folded.
+  bool is_sound(index_t q) const { return is_convex(q) && (!quads_.is_quad(q) || quality(q) > flat); }
+
+  /// Are the cells round a vertex?
+  bool all_sound(index_t v) const {
+    bool sound = true;
+    quads_.for_each_copy(
+        v, [&](index_t copy) { quads_.for_each_outgoing(copy, [&](index_t h) { sound = sound && is_sound(h / 4); }); });
+    return sound;
+  }
 
   Vector3 normal(index_t q) const {
     Vector3 sum = Vector3::Zero();
@@ -174,6 +187,7 @@ private:
 
   EditableQuads& quads_;
   const FeatureCarriers& carriers_;
+  bool keep_sound_ = false;
 };
 
 }  // namespace framehex::detail
