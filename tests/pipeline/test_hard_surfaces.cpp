@@ -98,3 +98,17 @@ TEST_CASE("without pyramids, too, every quadrilateral faces one", "[hard]") {
   const MeshingResult result = mesh_and_check(test::bumpy_ball(0.3), 400, options);
   for (const CellKind kind : result.recombination.mesh.kinds) CHECK(kind != CellKind::pyramid);
 }
+
+TEST_CASE("vertices that no triangle uses are left out", "[hard]") {
+  const IndexedTriangleMesh box = test::box_surface({2, 1, 1});
+  IndexedTriangleMesh with = box;
+  with.points.insert(with.points.begin() + 3, Vector3(70, 0, 0));
+  with.points.emplace_back(0.5, 0.5, 0.5);
+  for (auto& t : with.triangles)
+    for (index_t& v : t) v += v >= 3 ? 1 : 0;
+  MeshingOptions options;
+  options.features.given_edges = {{with.triangles[0][0], with.triangles[0][1]}};
+  const MixedMesh mesh = mesh_and_check(with, 16, options).recombination.mesh;
+  options.features.given_edges = {{box.triangles[0][0], box.triangles[0][1]}};
+  CHECK(mesh.points == mesh_and_check(box, 16, options).recombination.mesh.points);
+}

@@ -11,6 +11,7 @@
 #include "framehex/pipeline/detail/field_statistics.hpp"
 #include "framehex/pipeline/detail/obstacle.hpp"
 #include "framehex/pipeline/detail/surface_labels.hpp"
+#include "framehex/pipeline/detail/used_points.hpp"
 #include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/input_wedges.hpp"
@@ -471,8 +472,8 @@ private:
 /// The surface may separate several materials: edges where their patches meet have three or more triangles. Every region
 /// is filled (see `find_regions`), and what lies between two is meshed once, so that they conform.
 ///
-/// @param surface          any TriangleMesh without open edges; checked first. Normals of the outer boundary point
-///                         outward. Coordinates in the host's unit.
+/// @param surface          any TriangleMesh without open edges; checked first. Vertices of no triangle are left out.
+///                         Normals of the outer boundary point outward. Coordinates in the host's unit.
 /// @param size             wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
 /// @return the mesh with labels (regions when there are several; patches: those of `options.features.patches`, else of
@@ -487,8 +488,10 @@ MeshingResult mesh_surface(const M& surface, const Size& size, const T& tetrahed
   check_options(options);
   validate_surface(surface);
   Surface input(surface, options.features);
+  MeshingOptions numbered = options;
+  detail::leave_out_unused_points(input, numbered.features);
   SurfaceRegions regions = find_regions(input);
-  return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, options, executor)
+  return detail::SurfaceMesher<T, Size, E>(tetrahedralizer, size, std::move(numbered), executor)
       .run(std::move(input), std::move(regions));
 }
 
