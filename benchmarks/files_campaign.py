@@ -85,7 +85,7 @@ def verdict(status, lines, name, report, valid):
     """What became of a file, and why: in capitals what must not be."""
     if status is None:
         return "HANGS", ""
-    message = lines[-1].partition("error: ")[2] or lines[-1] if lines else ""
+    message = lines[-1] if lines else ""
     if status == 2 and name in message:
         return "refused", next((why for words, why in REASONS if words in message), "") or message.partition(name + ": ")[2]
     if status != 0:
