@@ -106,10 +106,12 @@ void add_to(nlohmann::ordered_json& json, const Measures& m) {
                             {"mean_non_orthogonality_degrees", solver.mean_non_orthogonality / degree},
                             {"flatness", solver.flatness},
                             {"decomposition", solver.decomposition},
+                            {"weight", solver.weight},
                             {"volume_ratio", solver.volume_ratio},
                             {"determinant", solver.determinant},
                             {"bad_decomposition_cells", solver.bad_decomposition},
                             {"small_determinant_cells", solver.small_determinant},
+                            {"small_weight_cells", solver.small_weight},
                             {"cells_with_one_inner_face", solver.lonely}};
 
   auto& conformity = json["conformity"];

@@ -26,6 +26,7 @@ void check_fit(const Recombination& result, double volume) {
   const verify::SolverQuality quality = verify::solver_quality(result.mesh);
   CHECK(quality.small_determinant.empty());
   CHECK(quality.bad_decomposition.empty());
+  CHECK(quality.small_weight.empty());
   CHECK(result.assembly.n_unfit == 0);
 }
 

@@ -10,6 +10,8 @@ foreach(line IN LISTS classes)
   add_test(NAME "program: ${class}" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/test_program.py ${class})
   set_tests_properties("program: ${class}" PROPERTIES ENVIRONMENT "${program_environment}" TIMEOUT 900)
 endforeach()
+add_test(NAME "program: files_campaign" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/test_files_campaign.py)
+set_tests_properties("program: files_campaign" PROPERTIES ENVIRONMENT "${program_environment}" TIMEOUT 900)
 # It times the program, so nothing else may run.
 set_tests_properties("program: TestInterruption" PROPERTIES RUN_SERIAL ON)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/test_program.py)

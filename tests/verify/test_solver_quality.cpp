@@ -32,11 +32,12 @@ TEST_CASE("cubes are what solvers like best") {
   CHECK(q.non_orthogonality == Approx(0).margin(1e-7));
   CHECK(q.flatness == Approx(1));
   CHECK(q.volume_ratio == Approx(1));
+  CHECK(q.weight == Approx(0.5));
   // Half a unit square, and the centre half a unit above it: 6 volumes are 1/2, the longest edge is the diagonal.
   CHECK(q.decomposition == Approx(0.5 / 2));
   // A corner has one inner face in each direction, where the cube inside has two.
   CHECK(q.determinant == Approx(1.0 / 8));
-  CHECK((q.lonely.empty() && q.small_determinant.empty() && q.bad_decomposition.empty()));
+  CHECK((q.lonely.empty() && q.small_determinant.empty() && q.bad_decomposition.empty() && q.small_weight.empty()));
 }
 
 TEST_CASE("shear is the angle off the normal, stretch the ratio of volumes, warp what is lost of the area") {
@@ -46,6 +47,18 @@ TEST_CASE("shear is the angle off the normal, stretch the ratio of volumes, warp
   }
   const auto stretch = [](Vector3 p) { return Vector3(p.x() < 1.5 ? p.x() : 1 + 5 * (p.x() - 1), p.y(), p.z()); };
   CHECK(verify::solver_quality(cubes(2, stretch)).volume_ratio == Approx(0.2));
+  CHECK(verify::solver_quality(cubes(2, stretch)).weight == Approx(0.5 / (0.5 + 2.5)));
+  // Centres at half a unit, and at half of 20 units, from the faces between: the four first cells are too near.
+  for (const double direction : {1.0, -1.0}) {
+    const auto very = [&](Vector3 p) { return Vector3(p.x() < 1.5 ? p.x() : 1 + 20 * (p.x() - 1), p.y(), p.z()); };
+    const auto turned = [&](Vector3 p) {
+      return direction > 0 ? very(p) : Vector3(-very({2 - p.x(), p.y(), p.z()}).x(), p.y(), p.z());
+    };
+    const verify::SolverQuality q = verify::solver_quality(cubes(2, turned));
+    CHECK(q.weight == Approx(1.0 / 21));
+    const index_t first = direction > 0 ? 0 : 1;
+    CHECK(q.small_weight == std::vector<index_t>{first, first + 2, first + 4, first + 6});
+  }
   // The square's corners lifted and lowered by h in turn: four triangles of base 1 and height sqrt(1/4 + h^2).
   const double h = 0.3;
   const std::array<Vector3, 4> warped{Vector3(0, 0, h), Vector3(1, 0, -h), Vector3(1, 1, h), Vector3(0, 1, -h)};

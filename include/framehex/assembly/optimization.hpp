@@ -16,8 +16,8 @@ enum class Reconnection { none, allowed };
 struct OptimizationOptions {
   Reconnection reconnection = Reconnection::none;
   /// Scaled Jacobian below which a hexahedron, or another cell, is worked on, 1e-3 to 1.
-  double hexahedron_target = 0.34;
-  double quality_target = 0.21;
+  double hexahedron_target = 0.37;
+  double quality_target = 0.23;
   int max_rounds = 8;  ///< 0 to 1e6
   /// As in `AssemblyOptions`, with vertices of the mixed mesh. Empty: no boundary vertex moves.
   std::function<bool(index_t vertex, Vector3& place)> boundary_projection{};

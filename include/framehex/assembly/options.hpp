@@ -49,9 +49,9 @@ struct AssemblyOptions {
   /// Least scaled Jacobian that a closed interface may leave, 0 to 1, before a hexahedron is given up for it.
   double quality_floor = 0.05;
   /// Scaled Jacobian below which improvement works on a cell that is not a hexahedron, 1e-3 to 1.
-  double quality_target = 0.21;
+  double quality_target = 0.23;
   /// Scaled Jacobian below which improvement works on a hexahedron, 1e-3 to 1.
-  double hexahedron_target = 0.34;
+  double hexahedron_target = 0.37;
   /// Label of each tetrahedron, n_tets entries, or empty for one region.
   std::span<const index_t> regions{};
   /// Labelled triangles of the tetrahedral mesh, on its boundary or inside, in its vertex numbers. Inner ones stay

@@ -70,6 +70,14 @@ inline CellGeometry cell_geometry(CellKind kind, std::span<const Vector3> corner
   return cell_geometry(std::span(geometry).first(faces.size()));
 }
 
+/// Where a face stands between the centres of its cells: 0 at the first, 1 at the other, measured across the face.
+/// @par Complexity   O(1).
+inline double face_weight(const FaceGeometry& face, const Vector3& centre, const Vector3& other) {
+  const double here = std::abs(face.area.dot(face.centre - centre)),
+               there = std::abs(face.area.dot(other - face.centre));
+  return here + there > 0 ? here / (here + there) : 0.0;
+}
+
 /// Least quality of the tetrahedra over the triangles into which a face is cut from one of its corners.
 ///
 /// @param corners  of the face, anticlockwise seen from the side opposite `tip`.

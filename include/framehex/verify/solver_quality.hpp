@@ -10,6 +10,8 @@ namespace framehex::verify {
 
 /// A cell with a smaller determinant is refused by solvers.
 inline constexpr double least_determinant = 1e-3;
+/// As is a face that is nearer to the centre of one of its cells, by this share of the way to the other's.
+inline constexpr double least_weight = 0.05;
 
 /// What finite volume solvers ask of a mesh, as the worst found and where.
 struct SolverQuality {
@@ -17,10 +19,12 @@ struct SolverQuality {
   double mean_non_orthogonality = 0;  ///< rad
   double flatness = 1;                ///< least of a face, see `FaceGeometry`
   double decomposition = 1;  ///< least of a face: `decomposition_quality` with its cells, cut from its best corner
+  double weight = 0.5;       ///< least of an inner face: its share of the way between its cells' centres, across it
   double volume_ratio = 1;   ///< least of the smaller to the larger cell at a face
   double determinant = 1;    ///< least of a cell: do its inner faces look into all directions? 0 to 1
   std::vector<index_t> bad_decomposition;  ///< the first cell of each face whose decomposition is 0 or less, ascending
   std::vector<index_t> small_determinant;  ///< cells with a determinant below `least_determinant`, ascending
+  std::vector<index_t> small_weight;       ///< the cell that is nearer to each face below `least_weight`, ascending
   std::vector<index_t> lonely;             ///< cells with one inner face at most, ascending
 };
 
@@ -62,7 +66,12 @@ struct SolverQualityMeasure {
 
   void add_inner_face(const CellFace& face, index_t other) {
     const auto p = corners(face);
-    const Vector3 area = face_geometry(std::span(p).first(face.size())).area;
+    const FaceGeometry geometry = face_geometry(std::span(p).first(face.size()));
+    const Vector3& area = geometry.area;
+    const double weight = face_weight(geometry, cells[face.cell].centre, cells[other].centre);
+    const double nearer = std::min(weight, 1 - weight);
+    result.weight = std::min(result.weight, nearer);
+    if (nearer < least_weight) result.small_weight.push_back(weight < 0.5 ? face.cell : other);
     for (const index_t cell : {face.cell, other}) inner_faces[cell].add(area);
     const Vector3 line = cells[other].centre - cells[face.cell].centre;
     const double angle = std::atan2(area.cross(line).norm(), area.dot(line));
@@ -105,7 +114,8 @@ inline SolverQuality solver_quality(const MixedMesh& mesh) {
     measure.measure_face(uses[0], uses.size() == 2 ? uses[1].cell : no_index);
     if (uses.size() == 2) measure.add_inner_face(uses[0], uses[1].cell);
   }
-  std::sort(measure.result.bad_decomposition.begin(), measure.result.bad_decomposition.end());
+  for (auto* cells : {&measure.result.bad_decomposition, &measure.result.small_weight})
+    std::sort(cells->begin(), cells->end());
   measure.finish();
   return std::move(measure.result);
 }

@@ -10,7 +10,8 @@
 namespace framehex::detail {
 
 /// Replaces the cells that finite volume solvers refuse: those whose inner faces leave a direction out (a tetrahedron
-/// with two faces on the boundary), and those of a face that cannot be cut into tetrahedra with their centres.
+/// with two faces on the boundary), those of a face that cannot be cut into tetrahedra with their centres, and those
+/// whose centre is all but on a face.
 ///
 /// A cavity round such a cell is filled from a vertex inside the body. Each new cell then has at most one face on
 /// the boundary, so that none of them leaves a direction out.
@@ -31,7 +32,7 @@ public:
     const MixedExport exported = export_cells(complex_, 0);
     const verify::SolverQuality quality = verify::solver_quality(exported.mesh);
     std::vector<index_t> refused;
-    for (const auto* cells : {&quality.small_determinant, &quality.bad_decomposition})
+    for (const auto* cells : {&quality.small_determinant, &quality.bad_decomposition, &quality.small_weight})
       for (const index_t cell : *cells) refused.push_back(exported.cell_of[cell]);
     std::sort(refused.begin(), refused.end());
     refused.erase(std::unique(refused.begin(), refused.end()), refused.end());
@@ -55,6 +56,7 @@ private:
       try_neighbours(cell, any);
       try_rings(cell, any);
     }
+    if (best_quality_ <= least_quality) try_balls(cell);
     if (best_quality_ <= least_quality) return false;
     if (best_apex_ != no_index) return filler_.fill(best_, best_apex_) > 0;
     return filler_.fill_from_new_vertex(best_, best_point_);
@@ -73,6 +75,15 @@ private:
     for_each_ring(complex_, cell, ring_, usable, [this] { try_cavity(ring_); });
   }
 
+  /// The cells round each corner, of any kind.
+  void try_balls(index_t cell) {
+    for (std::size_t i = 0; i < complex_.corners(cell).size(); ++i) {
+      ring_.clear();
+      complex_.for_each_cell_at(complex_.corners(cell)[i], [&](index_t other) { ring_.push_back(other); });
+      if (ring_.size() < Cavity::most_cells) try_cavity(ring_);
+    }
+  }
+
   /// Keeps a cavity that can be filled better than the best so far, from one of its inner vertices or from a new one.
   void try_cavity(std::vector<index_t> cells) {
     trial_.cells = std::move(cells);
@@ -89,25 +100,29 @@ private:
   }
 
   void keep_if_better(double quality, const Vector3& point, index_t apex) {
-    if (quality <= best_quality_ || !decomposes(point, apex)) return;
+    if (quality <= best_quality_ || !suits(point, apex)) return;
     best_quality_ = quality;
     best_point_ = point;
     best_apex_ = apex;
     best_ = trial_;
   }
 
-  /// Whether the faces of the trial cavity can be cut into tetrahedra with the centres of the cells on both sides.
-  bool decomposes(const Vector3& point, index_t apex) const {
+  /// Whether the faces of the trial cavity can be cut into tetrahedra with the centres of the cells on both sides, and lie
+  /// between them.
+  bool suits(const Vector3& point, index_t apex) const {
     for (const auto& face : trial_.faces) {
       if (apex != no_index && std::find(face.begin(), face.end(), apex) != face.end()) continue;
       std::array<Vector3, 4> corners{};
       const std::size_t n = face[3] == no_index ? 3 : 4;
       for (std::size_t i = 0; i < n; ++i) corners[i] = complex_.points[face[i]];
       const index_t beyond = cell_behind(complex_, trial_, face);
-      const Vector3 other = beyond == no_index ? Vector3::Zero() : centre(beyond);
-      if (best_decomposition(std::span(corners).first(n), centre_of_star(face, point),
-                             beyond == no_index ? nullptr : &other) < least_decomposition)
+      const Vector3 here = centre_of_star(face, point), other = beyond == no_index ? Vector3::Zero() : centre(beyond);
+      if (best_decomposition(std::span(corners).first(n), here, beyond == no_index ? nullptr : &other) <
+          least_decomposition)
         return false;
+      if (beyond == no_index) continue;
+      const double weight = face_weight(face_geometry(std::span(corners).first(n)), here, other);
+      if (std::min(weight, 1 - weight) < verify::least_weight) return false;
     }
     return true;
   }

@@ -51,7 +51,7 @@ public:
     }
     widen();
     for (int round = 0; may_split && round < 3; ++round) {
-      const bool replaced = replace_stubborn(0.3, true);
+      const bool replaced = replace_stubborn(least_other, true);
       if (!split_stuck_hexahedra() && !replaced) break;
       smooth(3, true);
       reconnect();
@@ -118,7 +118,7 @@ public:
       if (b.worst >= least_hexahedron || !pulse_.beat(fraction_)) break;
       const auto& cell = complex_.cells[b.cell];
       if (!cell.alive || cell.kind != CellKind::hexahedron || complex_.is_spared(b.cell)) continue;
-      if (stubborn_.split_neighbour(b.cell, 0.5)) ++n_split;
+      if (stubborn_.split_neighbour(b.cell, least_other)) ++n_split;
     }
     return n_split > 0;
   }
@@ -191,7 +191,8 @@ private:
 
   // Over the target.
   static constexpr double stuck = 0.7;
-  static constexpr double least_hexahedron = 0.76;  ///< a little more than 0.3 of the default target
+  static constexpr double least_hexahedron = 0.81;  ///< 0.353 at the default target
+  static constexpr double least_other = 0.56;       ///< 0.152 at the default target
 
   CellComplex& complex_;
   QualityEnergy energy_;
