@@ -33,23 +33,26 @@ public:
       : outline_(outline), delaunay_(delaunay), mesh_(delaunay.mesh()) {}
 
   OutlineTriangulation run() {
-    label_faces();
+    mark_loops();
+    face_ = label_faces([&](index_t h) { return in_loop_[h] != 0; }, n_faces_);
     find_depths();
+    index_t n_pieces = 0;
+    const std::vector<index_t> piece = label_faces([&](index_t h) { return mesh_.feature[h] != 0; }, n_pieces);
     OutlineTriangulation result;
-    std::vector<index_t> region(depth_.size(), no_index);
+    std::vector<index_t> region(n_pieces, no_index);
     for (index_t t = 0; t < mesh_.n_triangles(); ++t) {
-      const index_t f = face_[t];
-      if (depth_[f] % 2 == 0) continue;
-      if (region[f] == no_index) region[f] = result.n_regions++;
+      if (!is_inside(t)) continue;
+      index_t& name = region[piece[t]];
+      if (name == no_index) name = result.n_regions++;
       result.mesh.triangles.push_back(mesh_.corners[t]);
-      result.regions.push_back(region[f]);
+      result.regions.push_back(name);
     }
     if (result.n_regions == 0) throw invalid_outline("the outline bounds nothing");
     for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
       const auto row = outline_.polyline(i);
       for (std::size_t k = 0; k + 1 < row.size(); ++k) {
         const index_t h = mesh_.find(row[k], row[k + 1]);
-        if (depth_[face_[h / 3]] % 2 == 0 && depth_[face_[mesh_.opposite[h] / 3]] % 2 == 0)
+        if (!is_inside(h / 3) && !is_inside(mesh_.opposite[h] / 3))
           throw invalid_outline("polyline " + std::to_string(i) + " lies outside the domain", Entity::polyline, {i});
         result.segments.push_back({row[k], row[k + 1]});
       }
@@ -58,33 +61,54 @@ public:
   }
 
 private:
-  /// Triangles that are joined without crossing a segment; the face that holds the box is 0.
-  void label_faces() {
-    face_.assign(mesh_.n_triangles(), no_index);
-    index_t outside = 0;
-    while (!delaunay_.is_box_corner(mesh_.from(3 * outside))) ++outside;
-    flood(outside);
-    for (index_t t = 0; t < face_.size(); ++t)
-      if (face_[t] == no_index) flood(t);
-  }
+  bool is_inside(index_t triangle) const { return depth_[face_[triangle]] % 2 != 0; }
 
-  void flood(index_t seed) {
-    const index_t name = n_faces_++;
-    face_[seed] = name;
-    std::vector<index_t> stack{seed};
-    while (!stack.empty()) {
-      const index_t t = stack.back();
-      stack.pop_back();
-      for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
-        const index_t g = mesh_.opposite[h];
-        if (g == no_index || mesh_.feature[h] || face_[g / 3] != no_index) continue;
-        face_[g / 3] = name;
-        stack.push_back(g / 3);
+  void mark_loops() {
+    in_loop_.assign(mesh_.opposite.size(), 0);
+    for (std::size_t i = 0; i < outline_.loops.size(); ++i) {
+      const auto row = outline_.loops[i];
+      for (std::size_t k = 1; k < row.size(); ++k) {
+        const index_t h = mesh_.find(row[k - 1], row[k]);
+        in_loop_[h] = in_loop_[mesh_.opposite[h]] = 1;
       }
     }
   }
 
-  /// Number of the connected set of polylines of each vertex: its smallest vertex.
+  /// Triangles that are joined without crossing a wall; the face that holds the box is 0.
+  template <class Wall>
+  std::vector<index_t> label_faces(const Wall& is_wall, index_t& n_faces) const {
+    std::vector<index_t> face(mesh_.n_triangles(), no_index), stack;
+    const auto flood = [&](index_t seed) {
+      const index_t name = n_faces++;
+      face[seed] = name;
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const index_t t = stack.back();
+        stack.pop_back();
+        for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
+          const index_t g = mesh_.opposite[h];
+          if (g == no_index || is_wall(h) || face[g / 3] != no_index) continue;
+          face[g / 3] = name;
+          stack.push_back(g / 3);
+        }
+      }
+    };
+    index_t outside = 0;
+    while (!delaunay_.is_box_corner(mesh_.from(3 * outside))) ++outside;
+    flood(outside);
+    for (index_t t = 0; t < face.size(); ++t)
+      if (face[t] == no_index) flood(t);
+    return face;
+  }
+
+  /// Calls visit(halfedge) for both sides of each segment of a loop between two faces.
+  template <class Visit>
+  void each_bounding(Visit&& visit) const {
+    for (index_t h = 0; h < in_loop_.size(); ++h)
+      if (in_loop_[h] && face_[h / 3] != face_[mesh_.opposite[h] / 3]) visit(h);
+  }
+
+  /// Number of the connected set of bounding segments of each vertex: its smallest vertex.
   std::vector<index_t> components() const {
     std::vector<index_t> parent(outline_.points.size());
     for (index_t v = 0; v < parent.size(); ++v) parent[v] = v;
@@ -92,49 +116,50 @@ private:
       while (parent[v] != v) v = parent[v] = parent[parent[v]];
       return v;
     };
-    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
-      const auto row = outline_.polyline(i);
-      for (std::size_t k = 1; k < row.size(); ++k) {
-        const auto [low, high] = std::minmax({root(row[k - 1]), root(row[k])});
-        parent[high] = low;
-      }
-    }
+    each_bounding([&](index_t h) {
+      const auto [low, high] = std::minmax({root(mesh_.from(h)), root(mesh_.to(h))});
+      parent[high] = low;
+    });
     for (index_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
     return parent;
   }
 
-  /// From the outside inwards: the faces of a connected set of polylines that bounds are one deeper than the face it
-  /// lies in, those of a set that only divides are as deep.
+  /// From the outside inwards. Each segment of closed curves leads from an even depth to an odd one or back. A set
+  /// with vertices where an odd number of segments meet has no such depths: all that it encloses is one deeper than
+  /// the face it lies in.
   void find_depths() {
     const std::vector<index_t> component = components();
-    std::vector<char> bounds(component.size(), 0), visited(component.size(), 0);
-    for (std::size_t i = 0; i < outline_.loops.size(); ++i) bounds[component[outline_.loops[i][0]]] = 1;
-    const auto each = [&](auto&& visit) {
-      for (index_t h = 0; h < mesh_.opposite.size(); ++h)
-        if (mesh_.feature[h]) visit(component[mesh_.from(h)], face_[h / 3]);
-    };
-    const Csr<index_t> faces = make_csr(component.size(), [&](auto&& put) { each(put); });
-    const Csr<index_t> sets =
-        make_csr(n_faces_, [&](auto&& put) { each([&](index_t set, index_t face) { put(face, set); }); });
+    std::vector<char> is_odd(component.size(), 0), divides(component.size(), 0), visited(component.size(), 0);
+    each_bounding([&](index_t h) { is_odd[mesh_.from(h)] ^= 1; });
+    for (index_t v = 0; v < component.size(); ++v) divides[component[v]] |= is_odd[v];
+    const auto each = [&](auto&& visit) { each_bounding([&](index_t h) { visit(component[mesh_.from(h)], h); }); };
+    const Csr<index_t> sides = make_csr(component.size(), [&](auto&& put) { each(put); });
+    const Csr<index_t> bounds = make_csr(
+        n_faces_, [&](auto&& put) { each([&](index_t /*set*/, index_t side) { put(face_[side / 3], side); }); });
     depth_.assign(n_faces_, no_index);
     depth_[0] = 0;
     std::vector<index_t> queue{0};
+    const auto reach = [&](index_t face, index_t depth) {
+      if (depth_[face] != no_index) return;
+      depth_[face] = depth;
+      queue.push_back(face);
+    };
     for (std::size_t i = 0; i < queue.size(); ++i)
-      for (const index_t set : sets[queue[i]]) {
-        if (std::exchange(visited[set], 1)) continue;
-        for (const index_t f : faces[set])
-          if (depth_[f] == no_index) {
-            depth_[f] = depth_[queue[i]] + static_cast<index_t>(bounds[set]);
-            queue.push_back(f);
-          }
+      for (const index_t side : bounds[queue[i]]) {
+        const index_t set = component[mesh_.from(side)], depth = depth_[queue[i]] + 1;
+        if (!divides[set])
+          reach(face_[mesh_.opposite[side] / 3], depth);
+        else if (!std::exchange(visited[set], 1))
+          for (const index_t other : sides[set]) reach(face_[other / 3], depth);
       }
   }
 
   const PlanarOutline& outline_;
   const ConstrainedDelaunay& delaunay_;
   const EditableSurface& mesh_;
-  std::vector<index_t> face_;   ///< by triangle
-  std::vector<index_t> depth_;  ///< by face: how many connected sets of loops it is inside of
+  std::vector<char> in_loop_;   ///< by halfedge
+  std::vector<index_t> face_;   ///< by triangle: between loops
+  std::vector<index_t> depth_;  ///< by face: how many segments of loops lie between it and the outside
   index_t n_faces_ = 0;
 };
 
