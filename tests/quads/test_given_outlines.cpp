@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/lemon_matcher.hpp"
 #include "framehex/io/outline_reader.hpp"
+#include "framehex/io/triangle_soup.hpp"
 #include "framehex/pipeline/mesh_planar.hpp"
+#include "framehex/pipeline/mesh_shell.hpp"
 
 #include "support/outlines.hpp"
 #include "support/quad_checks.hpp"
+#include "support/surfaces.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -75,4 +78,126 @@ TEST_CASE("loops that are given segment by segment bound what they enclose") {
   const auto both = with(sides, {{4, 5}, {5, 6}, {6, 4}});
   check_domain(segments(hole, both), 0.1, 1.98, 0, 1);
   check_domain(segments(hole, with(both, {{0, 4}})), 0.1, 1.98, 0, 1);  // a segment joins both
+}
+
+TEST_CASE("text outlines: what a line may hold, and which line is refused") {
+  const auto refused = [](const std::string& lines, std::size_t line) {
+    CAPTURE(lines);
+    try {
+      text(lines);
+      FAIL("was read");
+    } catch (const io_error& e) {
+      CHECK(e.entity() == Entity::line);
+      CHECK(e.indices() == std::vector<std::size_t>{line});
+      CHECK(std::string(e.what()).find("line " + std::to_string(line)) != std::string::npos);
+    }
+  };
+  refused("0 0\n1\n1 1\n0 1\n", 2);
+  refused("0 0\n1 0\n1\n1\n0 1\n", 3);
+  refused("0 0\n1 0 0\n1 1\n", 2);
+  refused("0 0\n1 0\n1 1 0 1", 3);
+  refused("0 0\n1,0\n1 1\n", 2);
+  refused("0 0\n1 zero\n1 1\n", 2);
+  refused("0 0\n1 0\n1 1\n\ninner\n", 5);
+  refused("0 0\n1 0\n1 1\n\ninner\n\n\n", 5);
+  refused("0 0\n1 0\n1 1\ninner\n# none\ninner\n0 0\n1 1\n", 4);
+  refused("0 0\n1 0\ninner 0\n", 3);
+  for (const char* const lines :
+       {"0 0\n1 0\n1 1\n0 1\n\ninner\n0 0\n1 1\n", "\xEF\xBB\xBF# a box\n0 0\n1 0\n1 1\n0 1\ninner\n0 0\n1 1",
+        "0 0#first\n1 0\n  # a remark\n#\n1 1 # third\n0 1\n\n\n \t\nInner # across\n\n0 0\n# on the way\n1 1\n\n",
+        "0 0\r\n1 0\r\n1 1\r\n0 1\r\n\r\ninner\r\n0 0\r\n1 1\r\n"}) {
+    CAPTURE(lines);
+    const PlanarOutline outline = text(lines);
+    CHECK(outline.points.size() == 4);
+    REQUIRE(outline.loops.size() == 1);
+    CHECK(outline.loops[0].size() == 5);
+    REQUIRE(outline.inner.size() == 1);
+    CHECK(outline.inner[0].size() == 2);
+  }
+}
+
+TEST_CASE("outlines with z lie in one plane z = const, and so does the mesh") {
+  const auto obj = [](const std::string& lines) { return detail::read_obj_outline("obj", lines + "l 1 2 3 4 1\n"); };
+  const QuadMeshing high =
+      mesh_planar(obj("v 0 0 1.5\nv 1 0 1.5\nv 1 1 1.5\nv 0 1 1.5\n"), ConstantSize{0.25}, LemonMatcher{});
+  CHECK(high.mesh.cells.size() == 16);
+  for (const Vector3& p : high.mesh.points) CHECK(p.z() == 1.5);
+  CHECK(obj("v 0 0\nv 1 0\nv 1 1\nv 0 1\n").z == 0);
+  for (const char* const lines : {"v 0 0 0\nv 1 0 0\nv 1 1 .5\nv 0 1 .5\n", "v 0 0 2\nv 1 0 2\nv 1 1\nv 0 1 2\n"}) {
+    try {
+      obj(lines);
+      FAIL("was read");
+    } catch (const invalid_coordinate& e) {
+      CHECK(e.indices() == std::vector<std::size_t>{2});
+    }
+  }
+  MixedMesh upright;  // in the plane y = 0, points (0, z) twice
+  upright.points = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
+  for (index_t i = 0; i < 4; ++i) upright.edges.push_back({{i, (i + 1) % 4}, 0});
+  CHECK_THROWS_AS(outline_of_edges("mesh", upright), invalid_coordinate);
+}
+
+TEST_CASE("a bend above the threshold is a corner that stays, curves of many points are smooth") {
+  for (const int n : {5, 6, 8}) {
+    CAPTURE(n);
+    const std::vector<Vector2> points = circle({0, 0}, 1, n);
+    const QuadMeshing result = mesh_planar(one_loop(points), ConstantSize{0.2}, LemonMatcher{});
+    CHECK(result.statistics.n_feature_curves == static_cast<std::size_t>(n));
+    CHECK(area(result.mesh) == Approx(n * std::sin(2 * std::numbers::pi / n) / 2).epsilon(1e-9));
+    for (const Vector2& p : points) {
+      double nearest = 1;
+      for (const Vector3& q : result.mesh.points) nearest = std::min(nearest, (q.head<2>() - p).norm());
+      CHECK(nearest == 0);
+    }
+  }
+  QuadMeshingOptions options;
+  options.features.corner_angle = 50 * std::numbers::pi / 180;
+  CHECK(mesh_planar(one_loop(circle({0, 0}, 1, 8)), ConstantSize{0.2}, LemonMatcher{}, options)
+            .statistics.n_feature_curves == 1);
+  CHECK(mesh_planar(one_loop(circle({0, 0}, 1, 100)), ConstantSize{0.2}, LemonMatcher{}).statistics.n_feature_curves ==
+        1);
+}
+
+TEST_CASE("shells: a triangle that is listed twice is refused, both named") {
+  for (const bool turned : {false, true}) {
+    IndexedTriangleMesh surface = sphere_surface(1, 2);
+    const std::array<index_t, 3> t = surface.triangles[7];
+    surface.triangles.push_back(turned ? std::array{t[1], t[0], t[2]} : std::array{t[1], t[2], t[0]});
+    try {
+      mesh_shell(surface, ConstantSize{0.4}, LemonMatcher{});
+      FAIL("was meshed");
+    } catch (const invalid_connectivity& e) {
+      CHECK(e.entity() == Entity::triangle);
+      CHECK(e.indices() == std::vector<std::size_t>{7, surface.triangles.size() - 1});
+    }
+  }
+}
+
+TEST_CASE("shells: of a one-sided surface two triangles are named that run the same way in the file") {
+  IndexedTriangleMesh strip;
+  for (int i = 0; i < 12; ++i)
+    for (const double side : {-0.3, 0.3}) {
+      const double angle = 2 * std::numbers::pi * i / 12, half = angle / 2, r = 1 + side * std::cos(half);
+      strip.points.emplace_back(r * std::cos(angle), r * std::sin(angle), side * std::sin(half));
+    }
+  for (index_t i = 0; i < 12; ++i) {
+    const index_t a = 2 * i, b = a + 1, c = i == 11 ? 1 : a + 2, d = i == 11 ? 0 : a + 3;
+    strip.triangles.push_back({a, c, b});
+    strip.triangles.push_back({b, c, d});
+  }
+  for (std::size_t shift = 0; shift < strip.triangles.size(); shift += 5) {
+    IndexedTriangleMesh file = strip;
+    std::rotate(file.triangles.begin(), file.triangles.begin() + static_cast<std::ptrdiff_t>(shift),
+                file.triangles.end());
+    try {
+      mesh_shell(surface_of_soup(file).surface, ConstantSize{0.3}, LemonMatcher{});
+      FAIL("was meshed");
+    } catch (const nonmanifold& e) {
+      REQUIRE(e.indices().size() == 2);
+      std::set<std::array<index_t, 2>> sides;
+      for (const std::size_t t : e.indices())
+        for (std::size_t i = 0; i < 3; ++i) sides.insert({file.triangles[t][i], file.triangles[t][(i + 1) % 3]});
+      CHECK(sides.size() == 5);  // one of six is there twice
+    }
+  }
 }

@@ -6,7 +6,7 @@
 
 namespace framehex {
 
-/// From the outline of a planar domain to quadrilaterals in the plane z = 0 that follow it.
+/// From the outline of a planar domain to quadrilaterals in its plane that follow it.
 ///
 /// Each region gets an even number of intervals on its boundary, where need be one more than the size asks for on a long
 /// curve; without any triangle left then, given an exact matcher.
@@ -25,8 +25,12 @@ template <Matcher Match, SizeField Size>
 QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Match& matcher,
                         const QuadMeshingOptions& options = {}) {
   check_options(options);
-  return detail::QuadMesher<Match, Size>(matcher, size, options)
-      .run(triangulate_outline(outline).surface(options.features));
+  if (!std::isfinite(outline.z)) throw invalid_coordinate("z of the outline is not finite");
+  QuadMeshing result = detail::QuadMesher<Match, Size>(matcher, size, options)
+                           .run(triangulate_outline(outline).surface(options.features));
+  for (Vector3& p : result.mesh.points) p.z() = outline.z;
+  for (Vector3& p : result.background.points) p.z() = outline.z;
+  return result;
 }
 
 }  // namespace framehex

@@ -18,6 +18,7 @@ struct PlanarOutline {
   std::vector<Vector2> points;
   Csr<index_t> loops;  ///< vertices along each; a closed one repeats its first
   Csr<index_t> inner;  ///< the same; open or closed
+  double z = 0;        ///< of the plane, and so of the mesh; sizes are asked for at z = 0
 
   std::size_t n_polylines() const { return loops.size() + inner.size(); }
   /// By position: loops first.
