@@ -30,6 +30,21 @@ inline void check_orientation(const Surface& surface) {
   }
 }
 
+/// @throws invalid_connectivity  where two triangles have the same three vertices, in any order.
+inline void check_no_twins(std::span<const std::array<index_t, 3>> triangles) {
+  std::vector<std::pair<std::array<index_t, 3>, index_t>> sorted_triangles;
+  sorted_triangles.reserve(triangles.size());
+  for (index_t t = 0; t < triangles.size(); ++t) sorted_triangles.emplace_back(sorted(triangles[t]), t);
+  std::sort(sorted_triangles.begin(), sorted_triangles.end());
+  for (std::size_t i = 1; i < sorted_triangles.size(); ++i) {
+    const auto [a, b] = std::pair{sorted_triangles[i - 1], sorted_triangles[i]};
+    if (a.first == b.first)
+      throw invalid_connectivity(
+          "triangles " + std::to_string(a.second) + " and " + std::to_string(b.second) + " have the same vertices",
+          Entity::triangle, {a.second, b.second});
+  }
+}
+
 }  // namespace detail
 
 /// From a triangulated surface, open or closed, to quadrilaterals that follow it and its features.
@@ -42,7 +57,7 @@ inline void check_orientation(const Surface& surface) {
 /// @param matcher  see `mesh_planar`.
 /// @return cells that turn one way at all corners, seen against the surface's normal; vertices on its triangles, those
 ///         of feature curves on their edges.
-/// @throws invalid_coordinate, invalid_connectivity, open_surface (no triangles), nonmanifold  with two triangles that run
+/// @throws invalid_coordinate, invalid_connectivity (two triangles of the same vertices too), open_surface (no triangles), nonmanifold  with two triangles that run
 ///         along their edge the same way; invalid_surface  with three vertices near which no convex cell fits;
 ///         invalid_option, invalid_field.
 /// @par Complexity   about O(n log n) in the number of points, beside the matcher's.
@@ -54,6 +69,7 @@ QuadMeshing mesh_shell(const M& surface, const Size& size, const Match& matcher,
   check_options(options);
   validate_surface(surface);
   Surface input(surface, options.features);
+  detail::check_no_twins(input.triangles());
   detail::check_orientation(input);
   return detail::QuadMesher<Match, Size>(matcher, size, options).run(std::move(input));
 }
