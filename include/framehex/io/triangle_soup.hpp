@@ -113,8 +113,9 @@ struct EdgeUses {
 
 /// Parts of a surface joined across edges of two triangles, and which triangles of a part look the other way.
 struct SurfaceParts {
-  std::vector<index_t> part;       // by triangle
-  std::vector<std::uint8_t> turn;  // by triangle: against the part's first
+  std::vector<index_t> part;            // by triangle
+  std::vector<std::uint8_t> turn;       // by triangle: against the part's first
+  std::vector<std::uint8_t> one_sided;  // by part: no turning makes all neighbours agree
   index_t n_parts = 0;
 
   explicit SurfaceParts(const IndexedTriangleMesh& mesh) : part(mesh.triangles.size(), no_index), turn(part.size(), 0) {
@@ -130,15 +131,21 @@ struct SurfaceParts {
     for (index_t seed = 0; seed < part.size(); ++seed) {
       if (part[seed] != no_index) continue;
       part[seed] = n_parts;
+      one_sided.push_back(0);
       front.assign(1, seed);
       while (!front.empty()) {
         const index_t t = front.back();
         front.pop_back();
         for (index_t h = 3 * t; h < 3 * t + 3; ++h) {
           const index_t other = across[h];
-          if (other == no_index || part[other / 3] != no_index) continue;
+          if (other == no_index) continue;
+          const auto wanted = static_cast<std::uint8_t>(turn[t] ^ (from(h) == from(other)));
+          if (part[other / 3] != no_index) {
+            one_sided[n_parts] |= turn[other / 3] ^ wanted;
+            continue;
+          }
           part[other / 3] = n_parts;
-          turn[other / 3] = static_cast<std::uint8_t>(turn[t] ^ (from(h) == from(other)));
+          turn[other / 3] = wanted;
           front.push_back(other / 3);
         }
       }
@@ -187,6 +194,7 @@ inline void orient(SoupSurface& soup) {
   soup.n_cavities = static_cast<std::size_t>(std::count(is_cavity.begin(), is_cavity.end(), 1));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const index_t k = parts.part[t];
+    if (parts.one_sided[k]) continue;  // errors are about the triangles as they came
     // Flat parts have no outside; they keep their majority's side.
     const bool turn_part = volume[k] == 0 ? 2 * n_turned[k] > n[k] : (volume[k] < 0) != (is_cavity[k] == 1);
     if ((parts.turn[t] != 0) == turn_part) continue;
@@ -250,7 +258,7 @@ inline void check_soup(const IndexedTriangleMesh& soup) {
 ///
 /// Vertices of equal coordinates are welded; where that leaves edges open and a tolerance of 1e-6 of the box's diagonal
 /// closes them all, that is taken instead. Triangles are turned so that neighbours agree, outer shells look outward and
-/// cavities inward.
+/// cavities inward; those of one-sided parts stay.
 ///
 /// @param soup  triangles over vertices in any number, e.g. three of its own for each.
 /// @return the surface and what was changed. It may still be open or non-manifold: `validate_closed` tells.
