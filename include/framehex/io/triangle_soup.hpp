@@ -141,7 +141,7 @@ struct SurfaceParts {
           if (other == no_index) continue;
           const auto wanted = static_cast<std::uint8_t>(turn[t] ^ (from(h) == from(other)));
           if (part[other / 3] != no_index) {
-            one_sided[n_parts] |= turn[other / 3] ^ wanted;
+            if (turn[other / 3] != wanted) one_sided[n_parts] = 1;
             continue;
           }
           part[other / 3] = n_parts;

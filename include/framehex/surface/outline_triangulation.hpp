@@ -131,7 +131,8 @@ private:
     const std::vector<index_t> component = components();
     std::vector<char> is_odd(component.size(), 0), divides(component.size(), 0), visited(component.size(), 0);
     each_bounding([&](index_t h) { is_odd[mesh_.from(h)] ^= 1; });
-    for (index_t v = 0; v < component.size(); ++v) divides[component[v]] |= is_odd[v];
+    for (index_t v = 0; v < component.size(); ++v)
+      if (is_odd[v]) divides[component[v]] = 1;
     const auto each = [&](auto&& visit) { each_bounding([&](index_t h) { visit(component[mesh_.from(h)], h); }); };
     const Csr<index_t> sides = make_csr(component.size(), [&](auto&& put) { each(put); });
     const Csr<index_t> bounds = make_csr(
