@@ -19,7 +19,6 @@ namespace {
 framehex::QuadMeshingOptions meshing_options(const Options& options, const framehex::Observer& observer) {
   framehex::QuadMeshingOptions meshing;
   meshing.features = feature_options(options);
-  meshing.features.corner_angle = meshing.features.angle;
   meshing.order = options.front_order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
   if (options.match == "greedy") meshing.quads.goal = framehex::QuadGoal::pairs;
   if (!options.improve) meshing.improvement.scope = framehex::QuadImprovementScope::folded;

@@ -137,27 +137,6 @@ TEST_CASE("outlines with z lie in one plane z = const, and so does the mesh") {
   CHECK_THROWS_AS(outline_of_edges("mesh", upright), invalid_coordinate);
 }
 
-TEST_CASE("a bend above the threshold is a corner that stays, curves of many points are smooth") {
-  for (const int n : {5, 6, 8}) {
-    CAPTURE(n);
-    const std::vector<Vector2> points = circle({0, 0}, 1, n);
-    const QuadMeshing result = mesh_planar(one_loop(points), ConstantSize{0.2}, LemonMatcher{});
-    CHECK(result.statistics.n_feature_curves == static_cast<std::size_t>(n));
-    CHECK(area(result.mesh) == Approx(n * std::sin(2 * std::numbers::pi / n) / 2).epsilon(1e-9));
-    for (const Vector2& p : points) {
-      double nearest = 1;
-      for (const Vector3& q : result.mesh.points) nearest = std::min(nearest, (q.head<2>() - p).norm());
-      CHECK(nearest == 0);
-    }
-  }
-  QuadMeshingOptions options;
-  options.features.corner_angle = 50 * std::numbers::pi / 180;
-  CHECK(mesh_planar(one_loop(circle({0, 0}, 1, 8)), ConstantSize{0.2}, LemonMatcher{}, options)
-            .statistics.n_feature_curves == 1);
-  CHECK(mesh_planar(one_loop(circle({0, 0}, 1, 100)), ConstantSize{0.2}, LemonMatcher{}).statistics.n_feature_curves ==
-        1);
-}
-
 TEST_CASE("shells: a triangle that is listed twice is refused, both named") {
   for (const bool turned : {false, true}) {
     IndexedTriangleMesh surface = sphere_surface(1, 2);

@@ -21,8 +21,7 @@ enum class FrontOrder {
 /// What refers to a mesh by number (`curves.added`, `surface.complete`, `quads.frames`) is not looked at: the meshes are
 /// made on the way.
 struct QuadMeshingOptions {
-  /// Without a volume between them, bends of curves count as those of edges do.
-  FeatureOptions features = {.corner_angle = FeatureOptions{}.angle};
+  FeatureOptions features = {};
   CrossFieldOptions cross_field = {};
   FrontOrder order = FrontOrder::smoothness;
   CurveOptions curves = {};
