@@ -11,6 +11,7 @@ import pathlib
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -844,20 +845,21 @@ class TestCampaign(Case):
     CAMPAIGN = pathlib.Path(__file__).resolve().parents[2] / "benchmarks" / "campaign.py"
 
     def campaign(self, *surfaces):
-        return subprocess.run(["python3", self.CAMPAIGN, "--program", PROGRAM, "--results", self.path("results"), "--cells",
+        return subprocess.run([sys.executable, self.CAMPAIGN, "--program", PROGRAM, "--results", self.path("results"), "--cells",
                                "60", "300", "--limit", "120", *surfaces], capture_output=True, text=True)
 
     def test_surfaces_are_meshed_once_and_judged(self):
         write_stl(self.path("box.stl"), *box((2, 1, 1)))
-        write_stl(self.path("thin.stl"), *box((2, 1, 0.001)))
+        write_stl(self.path("thin.stl"), *box((2, 1, 0.01)))
         points, triangles = box()
         write_stl(self.path("open.stl"), points, triangles[1:])
-        write_stl(self.path("wedge.stl"), [(0, 0, 0), (1, 0, 0), (1, 0.03, 0), (0, 0, 1), (1, 0, 1), (1, 0.03, 1)],
+        write_stl(self.path("wedge.stl"), [(0, 0, 0), (1, 0, 0), (1, 0.08, 0), (0, 0, 1), (1, 0, 1), (1, 0.08, 1)],
                   [(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
         names = [self.path(n) for n in ("box.stl", "thin.stl", "open.stl", "wedge.stl")]
         first = self.campaign(*names)
         self.assertEqual(first.returncode, 0, first.stdout)
-        self.assertEqual(first.stdout.splitlines()[-1], "2 listed, 4 ok, 2 refused", first.stdout)
+        for size in (60, 300):
+            self.assertIn(f"{size} cells, 4 surfaces: 1 listed, 2 ok, 1 refused", first.stdout)
         start = time.monotonic()
         again = self.campaign(*names)
         self.assertEqual(again.stdout, first.stdout)
@@ -868,10 +870,11 @@ class TestCampaign(Case):
         (self.folder / "results").mkdir()
         told = {"surface": "box.stl", "asked": 60, "status": 0, "message": "", "seconds": 1, "cells": 1, "hexahedra": 1,
                 "hexahedra_volume": 1, "least": 1, "faults": 1, "unexplained": 0, "size_limits": 0}
-        (self.folder / "results" / "box-60.json").write_text(json.dumps(told))
+        (self.folder / "results" / "box.stl-60.json").write_text(json.dumps(told))
         result = self.campaign(self.path("box.stl"))
         self.assertEqual(result.returncode, 1)
-        self.assertIn("1 INVALID, 1 ok", result.stdout)
+        self.assertIn("60 cells, 1 surfaces: 1 INVALID", result.stdout)
+        self.assertIn("300 cells, 1 surfaces: 1 ok", result.stdout)
 
 
 class TestInspect(Case):
