@@ -2,10 +2,10 @@
 // What steps that the program has no option for are worth, as JSON: lattice links and relaxation of the fronts, and the
 // search for every hexahedron against the paper's three patterns on the same tetrahedra.
 //   paper_steps SURFACE SIZE
+#include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/io/surface_reader.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/recombination/pattern_search.hpp"
-#include "framehex/adapters/tetgen_process.hpp"
 
 #include <sys/resource.h>
 
@@ -50,8 +50,7 @@ void print_row(const std::string& variant, Make&& mesh_of) {
     least = std::min(least, scaled_jacobian(mesh.kinds[c], std::span(corners).first(row.size())));
   }
   const verify::ConformityReport conformity = verify::is_conforming(mesh);
-  std::cout << std::exchange(separator, ",\n") << "  \"" << variant
-            << "\": {\"cells\": " << mesh.n_cells()
+  std::cout << std::exchange(separator, ",\n") << "  \"" << variant << "\": {\"cells\": " << mesh.n_cells()
             << ", \"hex_number\": " << percent(static_cast<double>(n_hexahedra), static_cast<double>(mesh.n_cells()))
             << ", \"hex_volume\": " << 100 * detail::share_of_hexahedra(mesh) << ", \"least\": " << least
             << ", \"open\": " << conformity.open_quadrilaterals.size() << ", \"cpu\": " << seconds << more << "}"
