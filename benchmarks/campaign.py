@@ -3,11 +3,11 @@
 """Meshes many surfaces at several sizes with the program and tabulates what came out.
 
     campaign.py --program FRAMEHEX [--results FOLDER] [--cells 300 1000 ...] [--jobs N] [--limit SECONDS]
-                [--sound PROGRAM] [--judge SCRIPT] [--also FOLDER] [SURFACE...]
+                [--as-given] [--sound PROGRAM] [--judge SCRIPT] [--also FOLDER] [SURFACE...]
 
 SURFACE: files, or folders whose .off, .stl, .obj and .ply are taken; without any, those of Debian's package libcgal-demo
 (apt-get install libcgal-demo), some hundred, most of them closed. --also names a folder of more, as make_surfaces.py makes. Each surface is turned at
-random first, by its name, so that no axis is favoured and every campaign meshes the same. Each run leaves one file in FOLDER;
+random first, by its name, so that no axis is favoured and every campaign meshes the same; with --as-given none is. Each run leaves one file in FOLDER;
 runs that have one are not repeated, so that a campaign that was stopped goes on where it was. Of the meshes only those with a
 fault are kept.
 
@@ -21,11 +21,8 @@ import argparse
 import concurrent.futures
 import json
 import math
-import os
 import pathlib
 import random
-import resource
-import signal
 import statistics
 import subprocess
 import sys
@@ -35,6 +32,8 @@ import threading
 
 import meshio
 import numpy
+
+from limited_run import limited_run
 
 # What the program says of surfaces that are no boundary of a body, before it meshes anything.
 RIGHTLY_REFUSED = ("triangles meet", "pair of triangles", "is open along", "stands twice", "stand more than once", "an edge has",
@@ -99,18 +98,10 @@ def run(options, surface, cells):
     mesh = options.results / f"{name_of(surface)}-{cells}.vtu"
     report = mesh.with_suffix(".report.json")
     command = [options.program, "mesh", str(surface), "-o", str(mesh), "--cells", str(cells), "--report", str(report), "--quiet"]
-    with tempfile.TemporaryFile("w+") as told:
-        # Processor time: a busy machine makes no surface hang.
-        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=told, preexec_fn=lambda: resource.setrlimit(
-            resource.RLIMIT_CPU, (options.limit, options.limit + 5)))
-        _, code, usage = os.wait4(child.pid, 0)
-        told.seek(0)
-        message = told.read().strip().splitlines()[-1:]
-    status = os.waitstatus_to_exitcode(code)
-    if status in (-signal.SIGXCPU, -signal.SIGKILL):
-        status, message = None, ["not done in the time limit"]
+    status, lines, seconds, megabytes = limited_run(command, options.limit)
+    message = lines[-1:] if status is not None else ["not done in the time limit"]
     result = {"surface": name_of(surface), "asked": cells, "status": status, "message": " ".join(message),
-              "seconds": round(usage.ru_utime + usage.ru_stime, 2), "megabytes": usage.ru_maxrss // 1024}
+              "seconds": round(seconds, 2), "megabytes": round(megabytes)}
     if status == 0:
         result |= findings(json.loads(report.read_text()))
         if options.judge:
@@ -214,7 +205,7 @@ def run_all(options):
     def one(surface, cells):
         known = options.results / f"{name_of(surface)}-{cells}.json"
         if not known.exists():
-            known.write_text(json.dumps(run(options, turned(surface, options.results / "turned"), cells)))
+            known.write_text(json.dumps(run(options, surface if options.as_given else turned(surface, options.results / "turned"), cells)))
         result = json.loads(known.read_text())
         with lock:
             results.append(result)
@@ -233,6 +224,7 @@ def main():
     parser.add_argument("--cells", nargs="+", type=int, default=[300, 1000, 3000, 10000, 30000])
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--limit", type=int, default=600, help="processor seconds")
+    parser.add_argument("--as-given", action="store_true", help="turn no surface")
     parser.add_argument("--sound", help="program that exits with 0 for a surface that bounds a body")
     parser.add_argument("--judge", help="script that looks at a mesh and answers in JSON")
     parser.add_argument("--also", help="a folder of more surfaces")

@@ -17,14 +17,13 @@ import argparse
 import collections
 import hashlib
 import json
-import os
 import pathlib
-import resource
-import signal
 import subprocess
 import sys
 import tarfile
 import tempfile
+
+from limited_run import limited_run
 
 PACKAGES = ("assimp-testmodels", "libcgal-demo")
 SURFACES = (".stl", ".obj", ".off", ".ply", ".vtu", ".vtk", ".msh", ".mesh", ".meshb")
@@ -62,25 +61,6 @@ def files_of(names):
             yield name
 
 
-def run(command, options):
-    """Exit status (None: not done in the time), what it said, processor seconds and the most memory in megabytes."""
-    most = int(options.memory * 2**30)
-
-    def limits():
-        resource.setrlimit(resource.RLIMIT_CPU, (options.limit, options.limit + 5))
-        resource.setrlimit(resource.RLIMIT_AS, (most, most))
-
-    with tempfile.TemporaryFile("w+", errors="replace") as told:
-        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=told, preexec_fn=limits)
-        _, code, usage = os.wait4(child.pid, 0)
-        told.seek(0)
-        lines = told.read().strip().splitlines()
-    status = os.waitstatus_to_exitcode(code)
-    if status in (-signal.SIGXCPU, -signal.SIGKILL):
-        status = None
-    return status, lines, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
-
-
 def verdict(status, lines, name, report, valid):
     """What became of a file, and why: in capitals what must not be."""
     if status is None:
@@ -99,7 +79,7 @@ def verdict(status, lines, name, report, valid):
 def campaign(file, options, folder):
     mesh, report = folder / "mesh.vtu", folder / "report.json"
     command = [options.program, "mesh", str(file), "-o", str(mesh), "--cells", str(options.cells), "--report", str(report), "--quiet"]
-    status, lines, seconds, megabytes = run(command, options)
+    status, lines, seconds, megabytes = limited_run(command, options.limit, options.memory)
     found, valid = {}, True
     if status == 0:
         found = json.loads(report.read_text())

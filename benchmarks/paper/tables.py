@@ -115,7 +115,7 @@ def ablation(results):
 
 
 def steps(results):
-    """Rows of the programs' single steps; the same columns as the ablation, and how many candidates there were."""
+    """Steps that the program has no option for: the columns of the ablation, and how many candidates there were."""
     found = results.get("steps", {})
     known = [found[model] for model in NAMES if model in found]
     rows = []

@@ -44,14 +44,19 @@ std::map<std::array<index_t, Corners - 1>, int> sides(const std::vector<std::arr
   return count;
 }
 
+bool is_accepted(auto&& check) {
+  try {
+    check();
+    return true;
+  } catch (const error&) {
+    return false;
+  }
+}
+
 void validate_tets(Bytes& bytes) {
   IndexedTetMesh mesh{points_of(bytes), {}};
   mesh.tets = cells_of<4>(bytes, mesh.points.size());
-  try {
-    validate(mesh);
-  } catch (const error&) {
-    return;
-  }
+  if (!is_accepted([&] { validate(mesh); })) return;
   for (const auto& t : mesh.tets)
     for (const index_t v : t) promise(v < mesh.points.size(), "a valid tetrahedron refers to vertices that are there");
   for (const auto& [side, n] : sides(mesh.tets)) promise(n <= 2, "a facet of a valid mesh has two cells at most");
@@ -60,11 +65,7 @@ void validate_tets(Bytes& bytes) {
 void validate_triangles(Bytes& bytes) {
   IndexedTriangleMesh surface{points_of(bytes), {}};
   surface.triangles = cells_of<3>(bytes, surface.points.size());
-  try {
-    validate_closed(surface);
-  } catch (const error&) {
-    return;
-  }
+  if (!is_accepted([&] { validate_closed(surface); })) return;
   for (const auto& [edge, n] : sides(surface.triangles))
     promise(n == 2, "an edge of a closed surface has two triangles");
 }

@@ -4,6 +4,7 @@
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -37,7 +38,7 @@ class TestFilesCampaign(unittest.TestCase):
         self.files.mkdir()
 
     def run_campaign(self, program, *more):
-        return subprocess.run(["python3", CAMPAIGN, "--program", program, "--results", self.folder / "results", "--cells", "30",
+        return subprocess.run([sys.executable, CAMPAIGN, "--program", program, "--results", self.folder / "results", "--cells", "30",
                                *more, self.files], capture_output=True, text=True)
 
     def stand_in(self, *lines):

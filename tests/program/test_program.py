@@ -846,14 +846,14 @@ class TestCampaign(Case):
 
     def campaign(self, *surfaces):
         return subprocess.run([sys.executable, self.CAMPAIGN, "--program", PROGRAM, "--results", self.path("results"), "--cells",
-                               "60", "300", "--limit", "120", *surfaces], capture_output=True, text=True)
+                               "60", "300", "--limit", "120", "--as-given", *surfaces], capture_output=True, text=True)
 
     def test_surfaces_are_meshed_once_and_judged(self):
         write_stl(self.path("box.stl"), *box((2, 1, 1)))
-        write_stl(self.path("thin.stl"), *box((2, 1, 0.01)))
+        write_stl(self.path("thin.stl"), *box((2, 1, 0.001)))
         points, triangles = box()
         write_stl(self.path("open.stl"), points, triangles[1:])
-        write_stl(self.path("wedge.stl"), [(0, 0, 0), (1, 0, 0), (1, 0.08, 0), (0, 0, 1), (1, 0, 1), (1, 0.08, 1)],
+        write_stl(self.path("wedge.stl"), [(0, 0, 0), (1, 0, 0), (1, 0.03, 0), (0, 0, 1), (1, 0, 1), (1, 0.03, 1)],
                   [(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
         names = [self.path(n) for n in ("box.stl", "thin.stl", "open.stl", "wedge.stl")]
         first = self.campaign(*names)

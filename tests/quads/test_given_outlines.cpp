@@ -153,17 +153,7 @@ TEST_CASE("shells: a triangle that is listed twice is refused, both named") {
 }
 
 TEST_CASE("shells: of a one-sided surface two triangles are named that run the same way in the file") {
-  IndexedTriangleMesh strip;
-  for (int i = 0; i < 12; ++i)
-    for (const double side : {-0.3, 0.3}) {
-      const double angle = 2 * std::numbers::pi * i / 12, half = angle / 2, r = 1 + side * std::cos(half);
-      strip.points.emplace_back(r * std::cos(angle), r * std::sin(angle), side * std::sin(half));
-    }
-  for (index_t i = 0; i < 12; ++i) {
-    const index_t a = 2 * i, b = a + 1, c = i == 11 ? 1 : a + 2, d = i == 11 ? 0 : a + 3;
-    strip.triangles.push_back({a, c, b});
-    strip.triangles.push_back({b, c, d});
-  }
+  const IndexedTriangleMesh strip = moebius_strip(12);
   for (std::size_t shift = 0; shift < strip.triangles.size(); shift += 5) {
     IndexedTriangleMesh file = strip;
     std::rotate(file.triangles.begin(), file.triangles.begin() + static_cast<std::ptrdiff_t>(shift),

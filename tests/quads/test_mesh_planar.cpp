@@ -375,17 +375,7 @@ TEST_CASE(
 }
 
 TEST_CASE("shells: bad input is refused by name, and work can be cancelled") {
-  IndexedTriangleMesh strip;  // of Moebius: six quadrilaterals, the ends joined upside down
-  for (int i = 0; i < 6; ++i)
-    for (const double side : {-0.3, 0.3}) {
-      const double angle = 2 * std::numbers::pi * i / 6, half = angle / 2, r = 1 + side * std::cos(half);
-      strip.points.emplace_back(r * std::cos(angle), r * std::sin(angle), side * std::sin(half));
-    }
-  for (index_t i = 0; i < 6; ++i) {
-    const index_t a = 2 * i, b = a + 1, c = i == 5 ? 1 : a + 2, d = i == 5 ? 0 : a + 3;
-    strip.triangles.push_back({a, c, b});
-    strip.triangles.push_back({b, c, d});
-  }
+  const IndexedTriangleMesh strip = moebius_strip(6);
   try {
     mesh_shell(strip, ConstantSize{0.2}, LemonMatcher{});
     FAIL("a Moebius strip has one side only");

@@ -104,7 +104,7 @@ TEST_CASE("the bound by tetrahedra holds, and cliques lower it", "[selection][im
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const PotentialHexahedra candidates = test::random_candidates(seed, 150, 60, 100);
     const ImplicitIncompatibilityGraph graph(candidates, volume_times_quality(candidates));
-    const Selection best = select(graph, {.method = SelectMethod::exact});
+    const Selection best = select(graph);
     REQUIRE(best.status == SelectionStatus::optimal);
     const Selection unproven = select(graph, {.gap = 1, .exact_below = 0});
     const Selection proven = select(graph, {.gap = 0.01, .exact_below = 0});

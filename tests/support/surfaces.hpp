@@ -45,6 +45,23 @@ inline IndexedTriangleMesh box_surface(const Vector3& size, int nx = 1, int ny =
   return mesh;
 }
 
+/// Moebius strip of n quadrilaterals cut in two, the ends joined upside down; radius 1, width 0.6.
+inline IndexedTriangleMesh moebius_strip(index_t n) {
+  IndexedTriangleMesh strip;
+  for (index_t i = 0; i < n; ++i)
+    for (const double side : {-0.3, 0.3}) {
+      const double angle = 2 * std::numbers::pi * i / n, half = angle / 2, r = 1 + side * std::cos(half);
+      strip.points.emplace_back(r * std::cos(angle), r * std::sin(angle), side * std::sin(half));
+    }
+  for (index_t i = 0; i < n; ++i) {
+    const bool is_last = i + 1 == n;
+    const index_t a = 2 * i, b = a + 1, c = is_last ? 1 : a + 2, d = is_last ? 0 : a + 3;
+    strip.triangles.push_back({a, c, b});
+    strip.triangles.push_back({b, c, d});
+  }
+  return strip;
+}
+
 /// Torus about z, radii `major` and `minor`; nu by nv quadrilaterals cut in two.
 inline IndexedTriangleMesh torus_surface(double major, double minor, int nu, int nv) {
   IndexedTriangleMesh mesh;

@@ -57,9 +57,9 @@ inline void check_no_twins(std::span<const std::array<index_t, 3>> triangles) {
 /// @param matcher  see `mesh_planar`.
 /// @return cells that turn one way at all corners, seen against the surface's normal; vertices on its triangles, those
 ///         of feature curves on their edges.
-/// @throws invalid_coordinate, invalid_connectivity (two triangles of the same vertices too), open_surface (no triangles), nonmanifold  with two triangles that run
-///         along their edge the same way; invalid_surface  with three vertices near which no convex cell fits;
-///         invalid_option, invalid_field.
+/// @throws invalid_coordinate, invalid_connectivity (two triangles of the same vertices too), open_surface (no triangles),
+///         nonmanifold  with two triangles that run along their edge the same way; invalid_surface  with three vertices
+///         near which no cell fits; invalid_option, invalid_field.
 /// @par Complexity   about O(n log n) in the number of points, beside the matcher's.
 /// @par Determinism  The same everywhere up to rounding.
 /// @par Source       as `mesh_planar`.
