@@ -12,13 +12,18 @@ echo "viewer: the committed page is what its sources give"
 command -v npm >/dev/null || scripts/setup.sh npm
 (cd examples/viewer && npm ci --silent && npm run --silent check)
 
+echo "every header compiles alone; g++ and clang make the same meshes"
+cmake --preset gcc-release >/dev/null
+cmake --build --preset gcc-release --target framehex_headers_alone_verify_interface_header_sets compilers_mesh >/dev/null
+ctest --preset gcc-release --tests-regex '^compilers:' --no-tests=error
+
 # The thread sanitizer of g++ 12 does not start where addresses are scattered more widely than it knows.
 runner=()
 setarch -R true 2>/dev/null && runner=(setarch -R)
 
-# Without the examples, the slow cases and the whole models: those are the business of scripts/test.sh.
+# Header-only, where scripts/test.sh links `framehex::compiled`. Without the examples, the slow cases and the whole models: those are the business of scripts/test.sh.
 run() { # PRESET TEST CASES...
-  cmake --preset "$1" -DFRAMEHEX_BUILD_EXAMPLES=OFF >/dev/null
+  cmake --preset "$1" -DFRAMEHEX_BUILD_EXAMPLES=OFF -DFRAMEHEX_TESTED_LIBRARY=framehex::framehex >/dev/null
   cmake --build --preset "$1" --target "$2" >/dev/null
   echo "$1: $2" "${@:3}"
   "${runner[@]}" "build/$1/bin/$2" --warn NoTests "${@:3}"

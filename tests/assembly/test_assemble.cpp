@@ -2,6 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "framehex/assembly/assemble.hpp"
+#include "framehex/assembly/detail/cavity.hpp"
+#include "framehex/assembly/detail/complex_builder.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/cube_candidates.hpp"

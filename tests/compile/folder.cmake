@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSL-1.0
 # What must compile, and what must not.
 
-# Every header compiles alone, with our warnings: the library's, and the adapters' with the library each needs. Those
-# of heavy libraries are compiled by tests/heavy_hosts, those over MPI by tests/distributed, those of libraries that no
-# Debian package has by tests/hosts.
+# Every header compiles alone, with our warnings (scripts/check.sh builds it): the library's, and the adapters' with the
+# library each needs. Those of heavy libraries are compiled by tests/heavy_hosts, those over MPI by tests/distributed, those
+# of libraries that no Debian package has by tests/hosts.
 add_library(framehex_headers_alone INTERFACE)
 set(headers_alone ${framehex_headers})
 list(FILTER headers_alone EXCLUDE REGEX
@@ -17,10 +17,6 @@ foreach(adapter IN ITEMS mesh_reader tetgen openmesh tbb)
   target_link_libraries(framehex_headers_alone INTERFACE framehex::${adapter})
 endforeach()
 set_target_properties(framehex_headers_alone PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
-add_test(NAME "compile: each header alone"
-         COMMAND ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target
-                 framehex_headers_alone_verify_interface_header_sets)
-set_tests_properties("compile: each header alone" PROPERTIES TIMEOUT 1800 RESOURCE_LOCK build_tree)
 
 # What the headers' text must keep to: layers, names of foreign libraries, length, licence line, umbrella.
 add_test(NAME "compile: headers keep the rules" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_headers.py

@@ -8,3 +8,4 @@ endforeach()
 target_include_directories(test_hosts SYSTEM PRIVATE ${CMAKE_CURRENT_LIST_DIR}/fakes)
 # Much is instantiated for little that is run.
 target_compile_options(test_hosts PRIVATE -O0)
+set_target_properties(test_hosts PROPERTIES DISABLE_PRECOMPILE_HEADERS ON) # theirs are made at -O2

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/parts/detail/recombine_in_parts_impl.hpp"
 #include "framehex/parts/recombine_in_parts.hpp"
 #include "framehex/pipeline/recombine_by_parts.hpp"
 #include "framehex/verify/conformity.hpp"

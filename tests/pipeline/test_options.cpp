@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/assembly/optimization.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/recombination/potential_prism_finder.hpp"
 #include "framehex/selection/tomita.hpp"
 #include "support/cube_candidates.hpp"
 

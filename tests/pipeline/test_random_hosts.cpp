@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
 // Results of `recombine` lead back to the host: vertices, cells, labels. Or the host is told what is wrong, by number.
+#include "framehex/assembly/detail/cell_complex.hpp"
 #include "framehex/pipeline/recombine.hpp"
 #include "framehex/verify/validity.hpp"
 #include "support/jittered_delaunay.hpp"

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/pipeline/recombine.hpp"
+#include "framehex/verify/conformity.hpp"
+#include "framehex/verify/validity.hpp"
 #include "support/kuhn_lattice.hpp"
 
 #include <catch2/catch.hpp>

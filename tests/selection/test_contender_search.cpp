@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/selection/detail/contender_search.hpp"
+#include "framehex/selection/detail/iterated_search.hpp"
 #include "framehex/selection/select.hpp"
 #include "framehex/selection/tomita.hpp"
 #include "framehex/verify/independence.hpp"

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/recombination/potential_hex_finder.hpp"
 #include "framehex/selection/conflict_search.hpp"
+#include "framehex/selection/detail/contender_search.hpp"
+#include "framehex/selection/detail/iterated_search.hpp"
+#include "framehex/selection/greedy.hpp"
 #include "framehex/selection/select.hpp"
 #include "framehex/verify/independence.hpp"
 #include "support/delaunay_lattice.hpp"
