@@ -35,7 +35,8 @@ UNITS = [
                             "auto f(const framehex::IndexedTriangleMesh& m) {\n"
                             "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", False),
     ("`mesh_surface` used, linked to `framehex::compiled`",
-     '#include "framehex/adapters/compiled.hpp"\n'
+     '#include "framehex/adapters/tetgen_process.hpp"\n'
+     '#include "framehex/pipeline/mesh_surface.hpp"\n'
      "auto f(const framehex::IndexedTriangleMesh& m) {\n"
      "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", True),
     ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n", False),

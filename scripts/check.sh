@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-scripts/setup.sh clang-16 clang-format
+scripts/setup.sh clang-16 clang-format clang-tidy-16
 echo "formatting"
 find include src examples tests benchmarks -name '*.[hc]pp' -not -path 'tests/compile/fail/*' -print0 |
   xargs -0 clang-format --dry-run -Werror
@@ -11,6 +11,9 @@ find include src examples tests benchmarks -name '*.[hc]pp' -not -path 'tests/co
 echo "viewer: the committed page is what its sources give"
 command -v npm >/dev/null || scripts/setup.sh npm
 (cd examples/viewer && npm ci --silent && npm run --silent check)
+
+echo "clang-tidy"
+clang-tidy-16 --quiet src/*.cpp -- -std=c++20 -Iinclude -isystem /usr/include/eigen3
 
 echo "every header compiles alone; g++ and clang make the same meshes"
 cmake --preset gcc-release >/dev/null

@@ -4,8 +4,10 @@
 //   paper_steps SURFACE SIZE
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/io/surface_reader.hpp"
+#include "framehex/pipeline/detail/better_mesh.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/recombination/pattern_search.hpp"
+#include "framehex/verify/conformity.hpp"
 
 #include <sys/resource.h>
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/compiled.hpp"
 #include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/adapters/tetgen_process.hpp"
 
 #include "framehex/io/bodies.hpp"
 #include "framehex/io/surface_faults.hpp"
 #include "framehex/pipeline/memory_estimate.hpp"
+#include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/surface/feature_carriers.hpp"
 #include "framehex/surface/narrow_features.hpp"
 #include "framehex/surface/regions.hpp"

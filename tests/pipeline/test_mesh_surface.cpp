@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/tetgen_process.hpp"
+#include "framehex/pipeline/detail/better_mesh.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
+#include "framehex/surface/boundary_slider.hpp"
+#include "framehex/surface/refinement.hpp"
+#include "framehex/tetrahedralization/background.hpp"
 #include "framehex/verify/boundary_deviation.hpp"
 #include "framehex/verify/conformity.hpp"
 #include "framehex/verify/validity.hpp"

@@ -3,6 +3,7 @@
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/recombination/potential_prism_finder.hpp"
 #include "framehex/selection/tomita.hpp"
+#include "framehex/surface/refinement.hpp"
 #include "support/cube_candidates.hpp"
 
 #include <catch2/catch.hpp>

@@ -57,4 +57,28 @@ double checked_size(const S& size, const Vector3& p) {
 
 }  // namespace detail
 
+/// Any size field, by reference: what takes it is compiled once for all of them.
+///
+/// The size field must outlive it. A size costs one indirect call more.
+class SizeFieldRef {
+public:
+  template <SizeField S>
+  requires(!std::same_as<S, SizeFieldRef>)
+      SizeFieldRef(const S& size)  // NOLINT: whoever takes any size field is meant to be called with that
+      : size_(&size), sample_([](const void* s, const Vector3& p, index_t& hint) -> double {
+          return detail::sampled_size(*static_cast<const S*>(s), p, hint);
+        }) {}
+
+  double operator()(const Vector3& p) const {
+    index_t hint = no_index;
+    return sample(p, hint);
+  }
+
+  double sample(const Vector3& p, index_t& hint) const { return sample_(size_, p, hint); }
+
+private:
+  const void* size_;
+  double (*sample_)(const void* size, const Vector3& p, index_t& hint);
+};
+
 }  // namespace framehex

@@ -315,7 +315,7 @@ inline RegionSurface region_surface(const Surface& whole, const SurfaceRegions& 
 /// @par Complexity   O(n).
 inline std::pair<Surface, std::vector<index_t>> outer_boundary(const Surface& whole, SurfaceRegions regions,
                                                                const FeatureOptions& features) {
-  for (auto& [behind, front] : regions.sides) behind = front == no_index ? 0 : 1;
+  for (std::array<index_t, 2>& sides : regions.sides) sides[0] = sides[1] == no_index ? 0 : 1;
   RegionSurface part = region_surface(whole, regions, 0);
   return {Surface(part.surface, {.angle = features.angle, .corner_angle = features.corner_angle}),
           std::move(part.vertex_of)};

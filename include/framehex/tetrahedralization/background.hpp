@@ -55,7 +55,8 @@ std::vector<Vector3> background_points(const M& mesh, const SurfaceLocator& loca
   check_background_edge(mesh, edge, max_points);
   const auto& surface = detail::flat(mesh);
   const Eigen::AlignedBox3d box = bounding_box(surface.points);
-  const Vector3 low = box.min(), extent = box.sizes() / edge;
+  const Vector3& low = box.min();
+  const Vector3 extent = box.sizes() / edge;
 
   // Layers at half-cube heights; every second one is shifted by half a cube.
   const auto n_layers = static_cast<std::size_t>(2 * extent.z()) + 1;

@@ -40,6 +40,26 @@ concept Tetrahedralizer = requires(const T& tetrahedralizer, const Tetrahedraliz
   { tetrahedralizer(request) } -> std::convertible_to<TetrahedralizationResult>;
 };
 
+/// Any tetrahedraliser, by reference: what takes it is compiled once for all of them. It must outlive the reference.
+class TetrahedralizerRef {
+public:
+  template <Tetrahedralizer T>
+  requires(!std::same_as<T, TetrahedralizerRef>)
+      TetrahedralizerRef(const T& tetrahedralizer)  // NOLINT: whoever takes any is meant to be called with that
+      : tetrahedralizer_(&tetrahedralizer),
+        call_([](const void* t, const TetrahedralizationRequest& request) -> TetrahedralizationResult {
+          return (*static_cast<const T*>(t))(request);
+        }) {}
+
+  TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
+    return call_(tetrahedralizer_, request);
+  }
+
+private:
+  const void* tetrahedralizer_;
+  TetrahedralizationResult (*call_)(const void* tetrahedralizer, const TetrahedralizationRequest& request);
+};
+
 /// A tetrahedral mesh inside a surface, checked.
 struct Tetrahedralization {
   IndexedTetMesh mesh;  ///< the points of the request, unmoved and in order, then extra points

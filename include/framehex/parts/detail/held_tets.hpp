@@ -95,7 +95,7 @@ public:
   template <Transport Tr>
   void deliver(const Tr& transport, HeldTets& to) {
     sent_.clear();
-    const auto append = [](auto& list, auto&& items) {
+    const auto append = []<class T>(std::vector<T>& list, std::vector<T>&& items) {
       if (list.empty())
         list = std::move(items);
       else

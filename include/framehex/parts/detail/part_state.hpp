@@ -58,7 +58,7 @@ struct PartState {
   std::vector<StateVertex> vertices;  ///< by rising number, once `tidy`
 
   void append(PartState&& other) {
-    const auto join = [](auto& to, auto&& from) {
+    const auto join = []<class T>(std::vector<T>& to, std::vector<T>&& from) {
       if (to.empty())
         to = std::move(from);
       else
