@@ -29,6 +29,10 @@ CLI::Validator in_range(double min, double max, const std::string& text) {
       text);
 }
 
+CLI::Validator positive() {
+  return in_range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(), "a positive number");
+}
+
 void add_input(CLI::App& command, Options& options, const char* what) {
   command.add_option("input", options.input, what)->required();
   command.add_option("--report", options.report, "Write the report to this file as well")->type_name("FILE.json");
@@ -74,7 +78,6 @@ void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Opti
         return word + " is not PATCH=H with a positive length";
       },
       "");
-  const auto positive = in_range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(), "positive");
   command
       .add_option("--size-field", options.size_field,
                   "Wished edge lengths at the points of a mesh of tetrahedra or of a surface")
@@ -96,9 +99,9 @@ void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Opti
       ->type_name("PATCH=H")
       ->allow_extra_args(false);
   command.add_option("--least", options.least, "No size is smaller; a tenth of the wished size without it")
-      ->check(positive)
+      ->check(positive())
       ->type_name("H");
-  command.add_option("--most", options.most, "No size is larger")->check(positive)->type_name("H");
+  command.add_option("--most", options.most, "No size is larger")->check(positive())->type_name("H");
   command.add_option("--gradation", options.growth, "How fast sizes grow: by so much of the distance")
       ->check(in_range(0.01, 10, "a number from 0.01 to 10"))
       ->type_name("G")
@@ -153,6 +156,17 @@ void add_recombination(CLI::App& command, Options& options) {
       ->capture_default_str();
 }
 
+/// What is wrong with the arguments; where it is the subcommand, the names that there are.
+std::string message_of(const CLI::ParseError& e, const CLI::App& app, int argc, char** argv) {
+  if (!app.get_subcommands().empty()) return e.what();
+  std::string names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (first.empty()) return "a subcommand is required: " + names;
+  return first.starts_with("-") ? std::string(e.what()) : first + " is no subcommand; there are " + names;
+}
+
 }  // namespace
 
 std::optional<Options> parse(int argc, char** argv, int& exit_status) {
@@ -173,8 +187,9 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       mesh, options,
       "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX), a folder polyMesh (OpenFOAM), or .html, a "
       "page that shows it");
-  auto* const size =
-      mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
+  auto* const size = mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")
+                         ->check(positive())
+                         ->type_name("H");
   auto* const cells = mesh.add_option("--cells", options.cells,
                                       "Size of which so many cubes have the volume of the body; without either, 10000")
                           ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
@@ -240,7 +255,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_input(shell, options, "The surface (.stl .obj .off .ply .vtu .vtk .msh .mesh .meshb)");
   for (CLI::App* const command : {&plane, &shell}) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
-    command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
+    command->add_option("--size", options.size, "Wished edge length")->check(positive())->type_name("H")->required();
     add_features(*command, options);
     command->add_option("--order", options.front_order, "Which point proposes its neighbours next")
         ->check(CLI::IsMember({"fifo", "smoothness"}))
@@ -280,7 +295,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
     exit_status = app.exit(e);
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
-    std::cerr << "framehex: " << e.what() << " (see framehex --help)\n";
+    std::cerr << "framehex: " << message_of(e, app, argc, argv) << " (see framehex --help)\n";
     exit_status = 2;
     return std::nullopt;
   }
