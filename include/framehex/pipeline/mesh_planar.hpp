@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/pipeline/detail/quad_mesher.hpp"
+#include "framehex/pipeline/detail/quad_attempts.hpp"
 #include "framehex/surface/outline_triangulation.hpp"
 
 namespace framehex {
@@ -26,8 +26,8 @@ QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Ma
                         const QuadMeshingOptions& options = {}) {
   check_options(options);
   if (!std::isfinite(outline.z)) throw invalid_coordinate("z of the outline is not finite");
-  QuadMeshing result = detail::QuadMesher<Match, Size>(matcher, size, options)
-                           .run(triangulate_outline(outline).surface(options.features));
+  QuadMeshing result =
+      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, options);
   for (Vector3& p : result.mesh.points) p.z() = outline.z;
   for (Vector3& p : result.background.points) p.z() = outline.z;
   return result;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/mesh/validation.hpp"
-#include "framehex/pipeline/detail/quad_mesher.hpp"
+#include "framehex/pipeline/detail/quad_attempts.hpp"
 
 namespace framehex {
 
@@ -71,7 +71,7 @@ QuadMeshing mesh_shell(const M& surface, const Size& size, const Match& matcher,
   Surface input(surface, options.features);
   detail::check_no_twins(input.triangles());
   detail::check_orientation(input);
-  return detail::QuadMesher<Match, Size>(matcher, size, options).run(std::move(input));
+  return detail::mesh_quads(input, size, matcher, options);
 }
 
 }  // namespace framehex

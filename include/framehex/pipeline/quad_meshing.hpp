@@ -59,6 +59,15 @@ struct QuadStageSeconds {
   double quadrangulation = 0;  ///< matching
   double improvement = 0;
 
+  QuadStageSeconds& operator+=(const QuadStageSeconds& other) {
+    preparation += other.preparation;
+    field += other.field;
+    insertion += other.insertion;
+    triangulation += other.triangulation;
+    quadrangulation += other.quadrangulation;
+    improvement += other.improvement;
+    return *this;
+  }
   double total() const { return preparation + field + insertion + triangulation + quadrangulation + improvement; }
 };
 

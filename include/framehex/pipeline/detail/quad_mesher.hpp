@@ -28,8 +28,10 @@ public:
       *observer = options_.observer;
   }
 
-  QuadMeshing run(Surface input) {
+  /// @param inside  limits of the size that points inside patches keep besides, not those of curves.
+  QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
     input_ = std::move(input);
+    inside_ = std::move(inside);
     add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     locator_ = SurfaceLocator(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
@@ -166,8 +168,10 @@ private:
       if (curves.status == Status::cancelled) return false;
     }
     result_.statistics.lengthened_curves = longer;
+    LimitedSize<Size> size = size_;
+    if (!inside_.empty()) size.add(inside_);
     const auto insert = [&](auto order) {
-      return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size_,
+      return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size,
                                    options_.surface, order);
     };
     samples_ = options_.order == FrontOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
@@ -315,6 +319,7 @@ private:
   const Match& matcher_;
   LimitedSize<Size> size_;
   QuadMeshingOptions options_;
+  std::vector<SizeLimit> inside_;
 
   Stopwatch watch_;
   QuadMeshing result_;
