@@ -108,8 +108,10 @@ void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Opti
       ->capture_default_str();
 }
 
-void add_features(CLI::App& command, Options& options) {
-  command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
+void add_features(CLI::App& command, Options& options, const std::string& more = "") {
+  command
+      .add_option("--features", options.feature_degrees,
+                  "An edge bent by more than so many degrees is a feature" + more)
       ->check(in_range(0.1, 179.9, "an angle from 0.1 to 179.9"))
       ->type_name("DEGREES")
       ->capture_default_str();
@@ -256,7 +258,8 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   for (CLI::App* const command : {&plane, &shell}) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
     command->add_option("--size", options.size, "Wished edge length")->check(positive())->type_name("H")->required();
-    add_features(*command, options);
+    add_features(*command, options,
+                 ", and a bend of a curve a corner, a bend between long straight parts from a quarter of that on");
     command->add_option("--order", options.front_order, "Which point proposes its neighbours next")
         ->check(CLI::IsMember({"fifo", "smoothness"}))
         ->capture_default_str();

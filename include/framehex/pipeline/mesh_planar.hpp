@@ -11,6 +11,10 @@ namespace framehex {
 /// Each region gets an even number of intervals on its boundary, where need be one more than the size asks for on a long
 /// curve; without any triangle left then, given an exact matcher.
 ///
+/// Vertices of the outline where it bends by more than `features.corner_angle`, or by less but between straight parts
+/// longer than the size (`QuadMeshingOptions::bends`), are vertices of the mesh; between them curves have points at the
+/// mesh's own distances.
+///
 /// @param outline  loops in any direction, holes, inner polylines; see `PlanarOutline`. Coordinates in the host's unit.
 /// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
 /// @param matcher  exact, e.g. `LemonMatcher`; with `GreedyMatcher` and `QuadGoal::pairs` some triangles stay.

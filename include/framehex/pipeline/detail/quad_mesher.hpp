@@ -71,12 +71,12 @@ public:
   }
 
 private:
-  static constexpr double halved = 2.5;       ///< triangles whose edges are halved to be short, by those that just are
-  static constexpr int most_widenings = 4;    ///< attempts that leave folded cells
-  static constexpr int usual_shrinkings = 5;  ///< attempts that are too far from the input, after the first
-  static constexpr int most_shrinkings = 12;  ///< the same, where even the nearest is much too far
-  static constexpr double near_enough = 4.0 / 3;  ///< by the deviation that is wanted: not much too far
-  static constexpr double least_shrink = 0.4;     ///< of the size, where the mesh is too far from the input
+  static constexpr double halved = 2.5;        ///< triangles whose edges are halved to be short, by those that just are
+  static constexpr int most_widenings = 4;     ///< attempts that leave folded cells
+  static constexpr int usual_shrinkings = 5;   ///< attempts that are too far from the input, after the first
+  static constexpr int most_shrinkings = 12;   ///< the same, where even the nearest is much too far
+  static constexpr double near_enough = 1.2;   ///< by the deviation that is wanted: not much too far
+  static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
 
   /// @return false when told to stop.
   bool fill_patches() {

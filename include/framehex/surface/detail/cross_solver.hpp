@@ -4,6 +4,7 @@
 #include "framehex/surface/detail/edge_clusters.hpp"
 #include "framehex/surface/feature_graph.hpp"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #include <functional>
 #include <random>
@@ -116,7 +117,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t most_factorised = 160'000, n_clusters = 40'000;
+  static constexpr std::size_t most_factorised = 160'000, n_clusters = 20'000;
   using Vector = Eigen::VectorXcd;
   using Matrix = Eigen::SparseMatrix<Complex>;
   using Factor = Eigen::SimplicialLDLT<Matrix>;
@@ -196,16 +197,25 @@ private:
     if (u.edges.size() <= most_factorised) {
       if (!solve_smoothest([&](double shift) { return assemble(u, shift, nullptr); }, m, options, x)) return false;
     } else {
-      const EdgeClusters clusters(adjacency_, connection_, u.edges, unknown_, n_clusters);
-      const Eigen::VectorXd mass_of_clusters = clusters.restrict_mass(m);
-      Vector y = clusters.sums(m.array() * x.array()).array() / mass_of_clusters.array().max(least_positive);
-      const auto matrix = [&](double shift) { return clusters.restrict(assemble(u, shift, nullptr)); };
-      if (!solve_smoothest(matrix, mass_of_clusters, options, y)) return false;
-      x = clusters.prolong(y);
-      if (!spread(u, m, clusters, options.diffusion_steps, x)) return false;
+      if (!solve_on_clusters(u, m, options, x)) return false;
     }
     store(u, x);
     return going();
+  }
+
+  bool solve_on_clusters(const Unknowns& u, const Eigen::VectorXd& m, const ClosedOptions& options, Vector& x) const {
+    const EdgeClusters clusters(adjacency_, connection_, u.edges, unknown_, assemble(u, 0, nullptr), n_clusters);
+    if (!going()) return false;
+    const Eigen::VectorXd coarse_mass = clusters.mass(m);
+    Vector y = clusters.sums(m.array() * x.array()).array() / coarse_mass.array().max(least_positive);
+    const auto matrix = [&](double shift) {
+      Matrix sum = clusters.stiffness();
+      sum.diagonal() += Vector(shift * coarse_mass.array());
+      return sum;
+    };
+    if (!solve_smoothest(matrix, coarse_mass, options, y)) return false;
+    x = clusters.prolong(y);
+    return spread(u, m, m.sum() / static_cast<double>(clusters.size()), x);
   }
 
   /// @param matrix_with  stiffness plus a multiple of the mass.
@@ -278,17 +288,17 @@ private:
     return true;
   }
 
-  /// `diffuse` on the edges, where crosses are constant in clusters: at last over no more than a cluster.
-  bool spread(const Unknowns& u, const Eigen::VectorXd& m, const EdgeClusters& clusters, int steps, Vector& x) const {
-    constexpr double tolerance = 1e-2;
-    const double area = m.sum() / static_cast<double>(clusters.size());
-    for (double time = std::ldexp(area, 2 * (steps + 1)); time > area; time /= 4) {
-      const ClusteredSolver solver(assemble(u, 1 / time, nullptr), clusters);
-      for (int i = 0; i < 2; ++i) {
-        normalize(x);
-        const Vector right = m.array() * x.array() / time;
-        if (!solver.solve(right, tolerance, x, [&] { return going(); })) return false;
-      }
+  /// `diffuse` over an area so small that a few conjugate gradients are enough: what clusters cannot tell.
+  bool spread(const Unknowns& u, const Eigen::VectorXd& m, double area, Vector& x) const {
+    Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper> solver;
+    solver.setMaxIterations(100);
+    solver.setTolerance(1e-2);
+    const Matrix matrix = assemble(u, 1 / area, nullptr);
+    solver.compute(matrix);
+    for (int i = 0; i < 4; ++i) {
+      if (!going()) return false;
+      normalize(x);
+      x = solver.solveWithGuess(Vector(m.array() * x.array() / area), x);
     }
     normalize(x);
     return true;

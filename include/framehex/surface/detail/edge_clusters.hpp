@@ -3,7 +3,7 @@
 
 #include "framehex/surface/detail/edge_connection.hpp"
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 
 #include <span>
 #include <utility>
@@ -11,63 +11,57 @@
 
 namespace framehex::detail {
 
-/// Unknowns on edges gathered into connected sets that share one number: that of each edge is its set's, turned along a
-/// path of triangles.
+/// Numbers on the edges of a surface by fewer numbers, those of connected sets of edges: within a set the number is the
+/// same everywhere, but turned along a path of triangles, and from one to the next it changes gradually.
+///
+/// @par Source   Vanek, Mandel, Brezina, Computing 56 (1996) 179-196: smoothed aggregation.
 class EdgeClusters {
 public:
   using Vector = Eigen::VectorXcd;
   using Matrix = Eigen::SparseMatrix<Complex>;
 
-  /// @param edges    of the unknowns. @param unknown  edge -> unknown, or `no_index`.
-  /// @param n_wanted clusters, about.
+  /// @param edges      of the unknowns. @param unknown  edge -> unknown, or `no_index`.
+  /// @param stiffness  of the unknowns; must outlive this.
+  /// @param n_wanted   clusters, about.
   /// @par Complexity   O(n).
   EdgeClusters(const TriangleAdjacency& adjacency, const EdgeConnection& connection, std::span<const index_t> edges,
-               std::span<const index_t> unknown, std::size_t n_wanted)
+               std::span<const index_t> unknown, const Matrix& stiffness, std::size_t n_wanted)
       : adjacency_(adjacency), connection_(connection), edges_(edges), unknown_(unknown) {
     cluster_.assign(edges.size(), no_index);
     phase_.assign(edges.size(), Complex(1));
     const std::size_t size = (edges.size() + n_wanted - 1) / n_wanted;
     for (index_t seed = 0; seed < edges.size(); ++seed)
       if (cluster_[seed] == no_index) grow(seed, size);
+    make_prolongation(stiffness);
+    stiffness_ = prolongation_.adjoint() * Matrix(stiffness * prolongation_);
   }
 
-  Eigen::Index size() const { return static_cast<Eigen::Index>(n_); }
+  std::size_t size() const { return n_; }
 
-  /// What the energy of a matrix is for vectors that are constant in clusters.
-  Matrix restrict(const Matrix& matrix) const {
-    std::vector<Eigen::Triplet<Complex>> entries;
-    entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
-    for (int column = 0; column < matrix.outerSize(); ++column)
-      for (Matrix::InnerIterator at(matrix, column); at; ++at) {
-        const auto i = static_cast<std::size_t>(at.row()), j = static_cast<std::size_t>(at.col());
-        entries.emplace_back(static_cast<int>(cluster_[i]), static_cast<int>(cluster_[j]),
-                             std::conj(phase_[i]) * at.value() * phase_[j]);
-      }
-    Matrix result(size(), size());
-    result.setFromTriplets(entries.begin(), entries.end());
-    return result;
-  }
+  /// Energy of numbers of clusters.
+  const Matrix& stiffness() const { return stiffness_; }
 
-  Eigen::VectorXd restrict_mass(const Eigen::VectorXd& mass) const {
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
-    for (std::size_t i = 0; i < cluster_.size(); ++i) result[cluster_[i]] += mass[static_cast<Eigen::Index>(i)];
-    return result;
-  }
+  /// @param mass  of the edges. @return that of clusters, which adds up to about the same.
+  Eigen::VectorXd mass(const Eigen::VectorXd& mass) const { return prolongation_.cwiseAbs().transpose() * mass; }
 
-  Vector sums(const Vector& x) const {
-    Vector result = Vector::Zero(size());
-    for (std::size_t i = 0; i < cluster_.size(); ++i)
-      result[cluster_[i]] += std::conj(phase_[i]) * x[static_cast<Eigen::Index>(i)];
-    return result;
-  }
-
-  Vector prolong(const Vector& x) const {
-    Vector result(static_cast<Eigen::Index>(cluster_.size()));
-    for (std::size_t i = 0; i < cluster_.size(); ++i) result[static_cast<Eigen::Index>(i)] = phase_[i] * x[cluster_[i]];
-    return result;
-  }
+  Vector sums(const Vector& x) const { return prolongation_.adjoint() * x; }
+  Vector prolong(const Vector& x) const { return prolongation_ * x; }
 
 private:
+  static constexpr double damping = 2.0 / 3;  ///< for eigenvalues up to about two
+
+  /// One step of Jacobi's iteration makes what is constant in clusters gradual.
+  void make_prolongation(const Matrix& stiffness) {
+    std::vector<Eigen::Triplet<Complex>> entries;
+    entries.reserve(cluster_.size());
+    for (std::size_t i = 0; i < cluster_.size(); ++i)
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(cluster_[i]), phase_[i]);
+    Matrix constant(stiffness.rows(), static_cast<Eigen::Index>(n_));
+    constant.setFromTriplets(entries.begin(), entries.end());
+    const Vector steps = damping * stiffness.diagonal().array().inverse();
+    prolongation_ = constant - Matrix(steps.asDiagonal() * Matrix(stiffness * constant));
+  }
+
   /// Calls visit(neighbour, what turns this unknown's number into the neighbour's).
   template <class Visit>
   void each_neighbour(index_t i, Visit&& visit) const {
@@ -122,53 +116,7 @@ private:
   std::vector<Complex> phase_;    ///< unknown -> what turns its cluster's number into its own
   std::vector<index_t> members_;
   index_t n_ = 0;
-};
-
-/// Solves a matrix over edges by conjugate gradients, whose steps are corrected by what clusters tell.
-class ClusteredSolver {
-public:
-  using Vector = EdgeClusters::Vector;
-  using Matrix = EdgeClusters::Matrix;
-
-  /// @param matrix  Hermitian, positive.
-  ClusteredSolver(Matrix matrix, const EdgeClusters& clusters)
-      : matrix_(std::move(matrix)),
-        clusters_(clusters),
-        inverse_diagonal_(matrix_.diagonal().array().inverse()),
-        coarse_(clusters.restrict(matrix_)) {}
-
-  /// @param x  a guess; replaced by the solution. @param proceed  asked before each step; false ends it.
-  /// @return false when told to stop.
-  template <class Proceed>
-  bool solve(const Vector& right, double tolerance, Vector& x, Proceed&& proceed) const {
-    constexpr int most_steps = 200;
-    Vector residual = right - matrix_ * x, step = precondition(residual);
-    double product = residual.dot(step).real();
-    const double enough = tolerance * right.norm();
-    for (int i = 0; i < most_steps && residual.norm() > enough; ++i) {
-      if (!proceed()) return false;
-      const Vector image = matrix_ * step;
-      const double length = product / step.dot(image).real();
-      x += length * step;
-      residual -= length * image;
-      const Vector next = precondition(residual);
-      const double next_product = residual.dot(next).real();
-      step = next + (next_product / product) * step;
-      product = next_product;
-    }
-    return true;
-  }
-
-private:
-  Vector precondition(const Vector& residual) const {
-    return Vector(inverse_diagonal_.array() * residual.array()) +
-           clusters_.prolong(coarse_.solve(clusters_.sums(residual)));
-  }
-
-  Matrix matrix_;
-  const EdgeClusters& clusters_;
-  Vector inverse_diagonal_;
-  Eigen::SimplicialLDLT<Matrix> coarse_;
+  Matrix prolongation_, stiffness_;
 };
 
 }  // namespace framehex::detail
