@@ -64,10 +64,24 @@ private:
   std::size_t n_;  // segments
 };
 
+/// Is an edge on a rim, or is the surface flat across it?
+inline bool on_rim_or_flat(const Surface& surface, index_t a, index_t b) {
+  constexpr double flat = 1e-6;  // 1 - cosine
+  std::vector<Vector3> normals;
+  for (const index_t t : surface.adjacency.triangles_of_vertex[a]) {
+    const auto& v = surface.triangles()[t];
+    if (std::find(v.begin(), v.end(), b) == v.end()) continue;
+    const Vector3 &p = surface.points[v[0]], &q = surface.points[v[1]], &r = surface.points[v[2]];
+    normals.push_back((q - p).cross(r - p).normalized());
+  }
+  return normals.size() == 1 || (normals.size() == 2 && normals[0].dot(normals[1]) > 1 - flat);
+}
+
 }  // namespace detail
 
 /// Finds the bends of feature curves that are no corners yet, and that points at the wished distance would cut off
-/// visibly: those of polygons. Curves of points that are nearer to each other than the size have none.
+/// visibly: those of polygons. Curves of points that are nearer to each other than the size have none, nor have edges
+/// between faces: they bend, as the faces do, because a smooth surface was triangulated.
 ///
 /// A bend stands out where it is `options.angle` or greater, and the curve is about straight for `options.straight`
 /// sizes round it, at least a quarter of that on either side: it turns there by less than a quarter of the bend.
@@ -91,6 +105,9 @@ std::vector<index_t> distinct_bends(const Surface& surface, const Size& size, co
     for (std::size_t i = curve.first(); i < curve.end(); ++i) {
       const double turn = curve.turn(i);
       if (!(turn > options.angle - rounding)) continue;
+      const index_t before_it = row[(i + row.size() - 2) % (row.size() - 1)];
+      if (!detail::on_rim_or_flat(surface, row[i], before_it) || !detail::on_rim_or_flat(surface, row[i], row[i + 1]))
+        continue;
       const double wanted = options.straight * detail::checked_size(size, surface.points[row[i]], hint);
       const double before = curve.straight_length(i, false, turn / 4, 0.75 * wanted),
                    after = curve.straight_length(i, true, turn / 4, 0.75 * wanted);

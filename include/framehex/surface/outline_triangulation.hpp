@@ -261,8 +261,10 @@ inline void check_separation(const PlanarOutline& outline, const ConstrainedDela
       const index_t a = t[i], b = t[(i + 1) % 3], w = t[(i + 2) % 3];
       if (!mesh.feature[mesh.find(a, b)]) continue;
       const Vector2 side = outline.points[b] - outline.points[a], to = outline.points[w] - outline.points[a];
-      const double height = std::abs(side.x() * to.y() - side.y() * to.x()) / side.norm();
-      if (height < least) refuse(names.vertex(w) + " and " + names.segment(a, b), height, {w, a, b});
+      // To the segment, not its line: along a curve of many points each is next to the lines of its neighbours.
+      const double along = std::clamp(side.dot(to) / side.squaredNorm(), 0.0, 1.0),
+                   distance = (to - along * side).norm();
+      if (distance < least) refuse(names.vertex(w) + " and " + names.segment(a, b), distance, {w, a, b});
     }
 }
 
