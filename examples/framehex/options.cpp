@@ -29,6 +29,10 @@ CLI::Validator in_range(double min, double max, const std::string& text) {
       text);
 }
 
+CLI::Validator positive() {
+  return in_range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(), "a positive number");
+}
+
 void add_input(CLI::App& command, Options& options, const char* what) {
   command.add_option("input", options.input, what)->required();
   command.add_option("--report", options.report, "Write the report to this file as well")->type_name("FILE.json");
@@ -74,7 +78,6 @@ void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Opti
         return word + " is not PATCH=H with a positive length";
       },
       "");
-  const auto positive = in_range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(), "positive");
   command
       .add_option("--size-field", options.size_field,
                   "Wished edge lengths at the points of a mesh of tetrahedra or of a surface")
@@ -96,17 +99,19 @@ void add_sizes(CLI::App& command, Options& options, CLI::Option* size, CLI::Opti
       ->type_name("PATCH=H")
       ->allow_extra_args(false);
   command.add_option("--least", options.least, "No size is smaller; a tenth of the wished size without it")
-      ->check(positive)
+      ->check(positive())
       ->type_name("H");
-  command.add_option("--most", options.most, "No size is larger")->check(positive)->type_name("H");
+  command.add_option("--most", options.most, "No size is larger")->check(positive())->type_name("H");
   command.add_option("--gradation", options.growth, "How fast sizes grow: by so much of the distance")
       ->check(in_range(0.01, 10, "a number from 0.01 to 10"))
       ->type_name("G")
       ->capture_default_str();
 }
 
-void add_features(CLI::App& command, Options& options) {
-  command.add_option("--features", options.feature_degrees, "An edge bent by more than so many degrees is a feature")
+void add_features(CLI::App& command, Options& options, const std::string& more = "") {
+  command
+      .add_option("--features", options.feature_degrees,
+                  "An edge bent by more than so many degrees is a feature" + more)
       ->check(in_range(0.1, 179.9, "an angle from 0.1 to 179.9"))
       ->type_name("DEGREES")
       ->capture_default_str();
@@ -153,6 +158,17 @@ void add_recombination(CLI::App& command, Options& options) {
       ->capture_default_str();
 }
 
+/// What is wrong with the arguments; where it is the subcommand, the names that there are.
+std::string message_of(const CLI::ParseError& e, const CLI::App& app, int argc, char** argv) {
+  if (!app.get_subcommands().empty()) return e.what();
+  std::string names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (first.empty()) return "a subcommand is required: " + names;
+  return first.starts_with("-") ? std::string(e.what()) : first + " is no subcommand; there are " + names;
+}
+
 }  // namespace
 
 std::optional<Options> parse(int argc, char** argv, int& exit_status) {
@@ -173,8 +189,9 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
       mesh, options,
       "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT), .inp (Abaqus, CalculiX), a folder polyMesh (OpenFOAM), or .html, a "
       "page that shows it");
-  auto* const size =
-      mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")->type_name("H");
+  auto* const size = mesh.add_option("--size", options.size, "Wished edge length, in the surface's unit")
+                         ->check(positive())
+                         ->type_name("H");
   auto* const cells = mesh.add_option("--cells", options.cells,
                                       "Size of which so many cubes have the volume of the body; without either, 10000")
                           ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}))
@@ -240,8 +257,9 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
   add_input(shell, options, "The surface (.stl .obj .off .ply .vtu .vtk .msh .mesh .meshb)");
   for (CLI::App* const command : {&plane, &shell}) {
     add_output(*command, options, "The mesh: .vtu, .msh (Gmsh), .mesh (MEDIT) or .inp (Abaqus, CalculiX)");
-    command->add_option("--size", options.size, "Wished edge length")->type_name("H")->required();
-    add_features(*command, options);
+    command->add_option("--size", options.size, "Wished edge length")->check(positive())->type_name("H")->required();
+    add_features(*command, options,
+                 ", and a bend of a curve a corner, a bend between long straight parts from a quarter of that on");
     command->add_option("--order", options.front_order, "Which point proposes its neighbours next")
         ->check(CLI::IsMember({"fifo", "smoothness"}))
         ->capture_default_str();
@@ -280,7 +298,7 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
     exit_status = app.exit(e);
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
-    std::cerr << "framehex: " << e.what() << " (see framehex --help)\n";
+    std::cerr << "framehex: " << message_of(e, app, argc, argv) << " (see framehex --help)\n";
     exit_status = 2;
     return std::nullopt;
   }

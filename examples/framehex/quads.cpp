@@ -19,6 +19,9 @@ namespace {
 framehex::QuadMeshingOptions meshing_options(const Options& options, const framehex::Observer& observer) {
   framehex::QuadMeshingOptions meshing;
   meshing.features = feature_options(options);
+  // One angle for all: bends that stand out between straight parts are corners from a quarter of it on, as by default.
+  meshing.features.corner_angle = meshing.features.angle;
+  meshing.bends.angle = meshing.features.angle / 4;
   meshing.order = options.front_order == "fifo" ? framehex::FrontOrder::fifo : framehex::FrontOrder::smoothness;
   if (options.match == "greedy") meshing.quads.goal = framehex::QuadGoal::pairs;
   if (!options.improve) meshing.improvement.scope = framehex::QuadImprovementScope::folded;
@@ -95,12 +98,31 @@ void print_summary(const framehex::QuadMesh& mesh, const framehex::verify::QuadQ
       100 * quality.quad_area / quality.area, quality.least, quality.mean, quality.n_irregular);
 }
 
+/// Where a result is less than what was asked for.
+std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& s) {
+  constexpr double far = 0.01;
+  std::vector<std::string> texts;
+  if (s.n_left_triangles > 0)
+    texts.push_back(std::to_string(s.n_left_triangles) +
+                    " triangles are left: the domain is too thin or too sharp for convex quadrilaterals alone");
+  if (s.deviation > far) {
+    std::array<char, 120> text{};
+    std::snprintf(text.data(), text.size(),
+                  "the mesh is up to %.2f %% of the diagonal away from the surface: a smaller size comes nearer",
+                  100 * s.deviation);
+    texts.emplace_back(text.data());
+  }
+  return texts;
+}
+
 /// What both commands do with a result. @return false: interrupted.
 bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
   if (result.status == framehex::Status::cancelled) return false;
   const framehex::verify::QuadQuality quality = framehex::verify::quad_quality(result.mesh);
   nlohmann::ordered_json json = report(result.mesh, quality);
   add_course(json, result);
+  const std::vector<std::string> shortcomings = shortcomings_of(result.statistics);
+  if (!shortcomings.empty()) json["warnings"] = shortcomings;
   finish(json, options);
   write_crosses(options, result);
   write_results(options, framehex::mixed_mesh(result.mesh),
@@ -108,9 +130,7 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
   end_progress();
   for (const framehex::index_t curve : result.statistics.lengthened_curves)
     remark(options, "curve " + std::to_string(curve) + " has one interval more than the size asks for");
-  if (result.statistics.n_left_triangles > 0)
-    remark(options, std::to_string(result.statistics.n_left_triangles) +
-                        " triangles are left: the domain is too thin or too sharp for convex quadrilaterals alone");
+  for (const std::string& text : shortcomings) remark(options, text);
   if (!options.quiet) {
     print_summary(result.mesh, quality);
     std::printf(", %.2f s\n", result.seconds.total());

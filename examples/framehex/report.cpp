@@ -7,6 +7,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -102,8 +103,12 @@ void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes,
 
 framehex::MixedMesh read_input_mesh(const Options& options) {
   framehex::MeshReadNotes notes;
-  const auto volume = options.command == Command::inspect ? framehex::Volume::optional : framehex::Volume::required;
+  const bool optional = options.command == Command::inspect || options.command == Command::view;
+  const auto volume = optional ? framehex::Volume::optional : framehex::Volume::required;
   framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions}, &notes);
+  if (options.command == Command::view && mesh.n_cells() == 0)
+    throw framehex::io_error(
+        options.input + ": holds no tetrahedron, pyramid, prism or hexahedron; a view shows meshes of a volume alone");
   remark_arrays(options, notes, "regions");
   return mesh;
 }
@@ -147,29 +152,70 @@ void write_report(const Options& options, const nlohmann::ordered_json& json) {
   report.commit();
 }
 
-void check_outputs(const Options& options) {
-  if (!options.output.empty() && !options.report.empty() && same_file(options.output, options.report))
+namespace {
+
+/// Files that are written are different ones, and none but the mesh may replace the input.
+void check_different(const Options& options) {
+  const auto clash = [](const std::string& a, const std::string& b) {
+    return !a.empty() && !b.empty() && same_file(a, b);
+  };
+  if (clash(options.output, options.report))
     throw framehex::invalid_option("the mesh and the report cannot both be " + options.output);
-  if (!options.report.empty() && same_file(options.input, options.report))
+  if (clash(options.output, options.crosses))
+    throw framehex::invalid_option("the mesh and the crosses (--crosses) cannot both be " + options.output);
+  if (clash(options.crosses, options.report))
+    throw framehex::invalid_option("the crosses (--crosses) and the report cannot both be " + options.report);
+  if (clash(options.input, options.report))
     throw framehex::invalid_option("the report would replace the input, " + options.input);
+  if (clash(options.input, options.crosses))
+    throw framehex::invalid_option("the crosses (--crosses) would replace the input, " + options.input);
+}
+
+/// The format of the output, refused when the command does not write it.
+framehex::MeshFormat output_format(const Options& options) {
+  using framehex::MeshFormat;
+  std::vector<MeshFormat> written;
+  std::string what;
+  switch (options.command) {
+    case Command::field:
+      written = {MeshFormat::vtu, MeshFormat::html};
+      what = "a field is written as .vtu or .html";
+      break;
+    case Command::view:
+      written = {MeshFormat::html};
+      what = "a view is a page, .html";
+      break;
+    case Command::plane:
+    case Command::shell:
+      written = {MeshFormat::vtu, MeshFormat::msh, MeshFormat::medit, MeshFormat::inp};
+      what = "quadrilaterals are written as .vtu, .msh, .mesh or .inp";
+      break;
+    default: return framehex::written_mesh_format(options.output);
+  }
+  std::string why;
+  try {
+    const MeshFormat format = framehex::mesh_format(options.output);
+    if (std::find(written.begin(), written.end(), format) != written.end()) return format;
+    if (format == MeshFormat::html || format == MeshFormat::polymesh) why = "is for meshes of a volume; ";
+  } catch (const framehex::io_error&) {
+    why = "unknown extension; ";
+  }
+  throw framehex::io_error(options.output + ": " + why + what);
+}
+
+}  // namespace
+
+void check_outputs(const Options& options) {
+  check_different(options);
   if (!options.output.empty()) {
-    const framehex::MeshFormat format = framehex::written_mesh_format(options.output);
-    const bool is_page = format == framehex::MeshFormat::html;
-    if (options.command == Command::field && format != framehex::MeshFormat::vtu && !is_page)
-      throw framehex::io_error(options.output + ": a field is written as .vtu or .html");
-    if (options.command == Command::view && !is_page)
-      throw framehex::io_error(options.output + ": a view is a page, .html");
-    const bool is_quads = options.command == Command::plane || options.command == Command::shell;
-    if (is_quads && (is_page || format == framehex::MeshFormat::polymesh))
-      throw framehex::io_error(options.output +
-                               ": is for meshes of a volume; quadrilaterals are written as .vtu, .msh, .mesh or .inp");
+    const framehex::MeshFormat format = output_format(options);
     if (options.quadratic && !framehex::holds_quadratic(format))
       throw framehex::io_error(options.output + ": quadratic elements are written to .vtu, .msh and .inp");
     if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
   if (!options.report.empty()) const OutputFile attempt(options.report);
   if (options.crosses.empty()) return;
-  if (framehex::written_mesh_format(options.crosses) != framehex::MeshFormat::vtu)
+  if (framehex::detail::lower_text(std::filesystem::path(options.crosses).extension().string()) != ".vtu")
     throw framehex::io_error(options.crosses + ": crosses are written as .vtu");
   const OutputFile attempt(options.crosses);
 }

@@ -45,3 +45,15 @@ TEST_CASE("time of a search at one vertex does not grow with the mesh") {
   INFO(once << " s and " << fourfold << " s for four times as much");
   CHECK(fourfold < 2 * once + 0.01);
 }
+
+TEST_CASE("the cross field of a closed surface of very many triangles does not wait for its factorisation") {
+  const auto time_for = [](int n) {
+    const Surface surface(test::torus_surface(2, 0.7, 2 * n, n), {.angle = 3.1, .corner_angle = 3.1});
+    const double begin = cpu_seconds();
+    CHECK(compute_cross_field(surface).frames.size() == surface.triangles().size());
+    return cpu_seconds() - begin;
+  };
+  const double once = time_for(120), fourfold = time_for(240);  // 57,600 and 230,400 triangles
+  INFO(once << " s and " << fourfold << " s for four times as much");
+  CHECK(fourfold < 4 * once);
+}

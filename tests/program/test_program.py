@@ -39,6 +39,23 @@ def box(size=(1, 1, 1), origin=(0, 0, 0)):
     return points, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
 
 
+def subdivided(points, triangles):
+    """Each triangle cut into four at the middles of its edges."""
+    points, middles, finer = list(points), {}, []
+
+    def middle(a, b):
+        edge = (min(a, b), max(a, b))
+        if edge not in middles:
+            middles[edge] = len(points)
+            points.append(tuple((x + y) / 2 for x, y in zip(points[a], points[b])))
+        return middles[edge]
+
+    for a, b, c in triangles:
+        ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
+        finer += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    return points, finer
+
+
 def write_stl(path, points, triangles):
     with open(path, "w") as f:
         f.write("solid test\n")
@@ -998,6 +1015,7 @@ class TestQuadrilaterals(Case):
                 self.assertGreater(n_left, 0)
                 self.assertEqual(report["points"]["left_triangles"], n_left)
                 self.assertIn(f"{n_left} triangles are left", result.stderr)
+                self.assertIn(f"{n_left} triangles are left", report["warnings"][0])
                 self.assertEqual(report["quality"]["folded_cells"], [])
                 found = meshio.read(self.folder / "out.vtu").cells_dict
                 self.assertEqual((len(found["quad"]), len(found["triangle"])), (report["counts"]["quadrilaterals"], n_left))
@@ -1044,6 +1062,74 @@ class TestQuadrilaterals(Case):
         self.check_refused(self.plane(obj), "loop 0 is open")
         self.check_refused(self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("polyMesh"), "--size", 1),
                            "for meshes of a volume")
+
+    def test_features_tell_which_bends_of_an_outline_are_corners(self):
+        angle = 2 * np.pi * np.arange(12) / 12
+        corners = np.c_[np.cos(angle), np.sin(angle), 0 * angle]
+        outline = self.outline("".join("%.17g %.17g\n" % (x, y) for x, y, _ in corners))
+        for features, n_kept in (((), 12), (("--features", "1"), 12), (("--features", "150"), 0)):
+            with self.subTest(features=features):
+                result = self.plane(outline, "--quiet", *features)
+                self.assertEqual(result.returncode, 0, result)
+                points = meshio.read(self.folder / "out.vtu").points
+                self.assertEqual(sum(min(np.linalg.norm(points - c, axis=1)) < 1e-12 for c in corners), n_kept)
+
+    def test_outlines_too_near_to_themselves_are_refused_at_once(self):
+        for distance in ("1e-9", "1e-11", "1e-14"):
+            with self.subTest(distance=distance):
+                begin = time.monotonic()
+                self.check_refused(self.plane(self.outline(f"0 0\n1 0\n{1 + float(distance)!r} 0\n1 1\n0 1\n")), "loops.txt",
+                                   "vertex 1 of loop 0", "vertex 2 of loop 0", "apart")
+                self.check_refused(self.plane(self.outline(f"0 0\n5 0\n10 0\n7 {distance}\n2 {distance}\n")),
+                                   "loop 0", "apart", "1e-08 of the outline's diagonal")
+                self.assertLess(time.monotonic() - begin, 30)
+
+    def test_files_that_are_written_are_different_ones(self):
+        outline = self.outline(self.SQUARE)
+        for more, words in ((("--crosses", self.path("out.vtu")), ("crosses", "cannot both be")),
+                            (("--crosses", self.path("x/../out.vtu")), ("crosses", "cannot both be")),
+                            (("--crosses", self.path("out.json")), ("crosses", "cannot both be")),
+                            (("--crosses", outline), ("would replace the input",)),
+                            (("--crosses", self.path("c.msh")), ("c.msh", "written as .vtu"))):
+            with self.subTest(more=more):
+                self.check_refused(self.plane(outline, *more), *words)
+
+    def test_messages_name_the_option_and_what_is_allowed(self):
+        outline = self.outline(self.SQUARE)
+        for size in ("0", "-1", "nan", "inf", "abc"):
+            for command in ("plane", "mesh"):
+                self.check_refused(self.run_program(command, outline, "-o", self.path("out.vtu"), "--size", size), "--size", size,
+                                   "not a positive number")
+        for output in ("out.foo", "out", "out.vtk", "out.html"):
+            self.check_refused(self.run_program("plane", outline, "-o", self.path(output), "--size", 1), output,
+                               "quadrilaterals are written as .vtu, .msh, .mesh or .inp")
+        for arguments in ((), ("plan", outline)):
+            self.check_refused(self.run_program(*arguments), "subcommand", "mesh, recombine, plane, shell, field, inspect, view")
+        self.check_refused(self.run_program("plan", outline), "plan is no subcommand")
+        self.assertEqual(self.run_program("plane", outline, "-o", self.path("made.inp"), "--size", 0.5).returncode, 0)
+        write_stl(self.path("box.stl"), *box())
+        for name, word in (("made.inp", "is written but not read"), ("box.stl", "is a surface"), ("loops.txt", "unknown extension")):
+            for command in (("inspect",), ("view", "-o", self.path("view.html"))):
+                self.check_refused(self.run_program(command[0], self.path(name), *command[1:]), name, word,
+                                   "read from .vtu .vtk .msh .mesh .meshb")
+        self.check_refused(self.plane(self.outline("0 0\n1e-200 0\n1e-200 1e-200\n")), "smaller unit")
+
+    def test_a_sphere_at_sizes_beyond_it(self):
+        points, triangles = box((2, 2, 2))
+        for _ in range(4):  # each triangle into four
+            points, triangles = subdivided(points, triangles)
+        points = [tuple(x) for x in (np.array(points) - 1) / np.linalg.norm(np.array(points) - 1, axis=1)[:, None]]
+        write_stl(self.path("sphere.stl"), points, triangles)
+        for size in (2, 100):
+            with self.subTest(size=size):
+                result = self.run_program("shell", self.path("sphere.stl"), "-o", self.path("out.vtu"), "--size", size,
+                                          "--report", self.path("out.json"), "--features", 150)
+                self.assertEqual(result.returncode, 0, result)
+                report = json.loads((self.folder / "out.json").read_text())
+                self.assertLess(report["deviation"], 0.01)
+                self.assertGreater(report["points"]["shrunk"], 0)
+                self.assertEqual(report["counts"]["triangles"], 0)
+                self.assertNotIn("warnings", report)
 
     def test_shells_open_and_closed(self):
         points, triangles = box((2, 1, 1))

@@ -57,11 +57,13 @@ void check_kept(const QuadMeshing& result, const Surface& input, int characteris
   for (const auto& cell : mesh.cells)
     for (const index_t v : cell) --index[v];
   CHECK(std::accumulate(index.begin(), index.end(), 0) == 4 * characteristic);
-  const FeatureCarriers carriers(input);
+  const FeatureCarriers carriers(result.background);  // labels are those of its curves
   const double diagonal = bounding_box(input.points).diagonal().norm();
-  for (const LabelledEdge& edge : mesh.edges)
+  for (const LabelledEdge& edge : mesh.edges) {
+    REQUIRE(edge.label < carriers.n_curves());
     for (const index_t v : edge.vertices)
       REQUIRE((carriers.onto_curve(edge.label, mesh.points[v]) - mesh.points[v]).norm() < 1e-9 * diagonal);
+  }
   const SurfaceLocator locator(input);
   for (const Vector3& p : mesh.points) REQUIRE(locator.nearest(p).distance < 1e-9 * diagonal);
 }
@@ -186,7 +188,7 @@ TEST_CASE("thin regions and sharp corners become quadrilaterals") {
 
 TEST_CASE("where convex quadrilaterals do not fit, triangles are left and counted") {
   for (const auto scope : {QuadImprovementScope::everywhere, QuadImprovementScope::folded})
-    for (const double angle : {1e-3, 1e-8}) {  // rad
+    for (const double angle : {1e-3, 1e-6}) {  // rad
       CAPTURE(angle);
       const double h = std::tan(angle / 2);
       const PlanarOutline outline =
@@ -323,6 +325,17 @@ TEST_CASE("shells: open and closed surfaces") {
     return tube.points[t[0]].y() + tube.points[t[1]].y() + tube.points[t[2]].y() < 0;
   });
   check_result(mesh_shell(tube, ConstantSize{0.2}, LemonMatcher{}), Surface(tube), 0, 0.9);
+}
+
+TEST_CASE("a shell of coarse cells is within one hundredth of the diagonal too") {
+  const IndexedTriangleMesh bunny = read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
+  for (const double size : {0.52, 1.04, 2.0}) {
+    CAPTURE(size);
+    const QuadMeshing result = mesh_shell(bunny, ConstantSize{size}, LemonMatcher{});
+    check_result(result, Surface(bunny), 2, 0.85);
+    CHECK(result.statistics.deviation < 0.01);
+    CHECK(deviation(result.mesh, bunny) < 0.01);
+  }
 }
 
 TEST_CASE(

@@ -184,3 +184,32 @@ TEST_CASE("the field is finite on triangles without area") {
   CHECK(index_sum(field) == 8);
   CHECK_THROWS_AS(compute_cross_field(surface, {.curvature = -1}), invalid_option);
 }
+
+TEST_CASE("closed surfaces of very many triangles have the field of those of fewer") {
+  const auto bumpy = [](int n) {
+    IndexedTriangleMesh mesh = test::torus_surface(2, 0.7, 8 * n / 3, n);
+    for (Vector3& p : mesh.points)
+      p *= 1 + 0.12 * std::sin(3 * std::atan2(p.y(), p.x()) + 1) * std::sin(2 * p.z() + 0.3);
+    Case c{Surface(mesh, {.angle = 3.1, .corner_angle = 3.1}), {}};
+    c.field = compute_cross_field(c.surface);
+    return c;
+  };
+  // Away from singular points the turn from triangle to triangle is as their size.
+  const auto roughness = [](const Case& c) {
+    double sum = 0;
+    for (const double s : c.field.smoothness) sum += 1 - s;
+    return sum / std::sqrt(static_cast<double>(c.field.smoothness.size()));
+  };
+  const Case coarse = bumpy(90), fine = bumpy(153);
+  REQUIRE(3 * fine.surface.triangles().size() / 2 > 160'000);
+  check_frames(fine);
+  CHECK(index_sum(fine.field) == 0);
+  CHECK(fine.field.singularities.size() == coarse.field.singularities.size());
+  CHECK(roughness(fine) == Approx(roughness(coarse)).epsilon(0.1));
+
+  IndexedTriangleMesh sphere = test::box_surface({2, 2, 2}, 100, 100, 100);
+  for (Vector3& p : sphere.points) p = (p - Vector3::Ones()).normalized();
+  const SurfaceCrossField field = compute_cross_field(Surface(sphere, {.angle = 3.1, .corner_angle = 3.1}));
+  CHECK(field.singularities.size() == 8);
+  for (const auto& s : field.singularities) CHECK(s.index == 1);
+}

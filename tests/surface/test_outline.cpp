@@ -151,3 +151,29 @@ TEST_CASE("bad outlines are refused by what is wrong") {
   CHECK_THROWS_AS(triangulate_outline({}), invalid_outline);
   CHECK_THROWS_AS(triangulate_outline(one_loop({{0, 0}, {1, 0}, {2, 0}})), invalid_outline);  // a line
 }
+
+TEST_CASE("vertices that are all but the same, and domains that are all but nothing, are refused by name") {
+  for (const double distance : {1e-8, 1e-10, 1e-12, 1e-14}) {
+    CAPTURE(distance);
+    check_refused<invalid_outline>(one_loop({{0, 0}, {1, 0}, {1 + distance, 0}, {1, 1}, {0, 1}}), Entity::vertex,
+                                   {1, 2});
+    PlanarOutline hole = one_loop(rectangle(2, 2));
+    add_loop(hole, {{1, distance}, {1.5, 1}, {0.5, 1}});
+    check_refused<invalid_outline>(hole, Entity::vertex, {4, 0, 1});
+    check_refused<invalid_outline>(one_loop({{0, 0}, {2, 0}, {2, distance}}), Entity::vertex, {1, 2});
+    check_refused<invalid_outline>(one_loop({{0, 0}, {1, 0}, {2, 0}, {1, distance}}), Entity::vertex, {1, 3});
+  }
+  // The text names where to look.
+  PlanarOutline hole = one_loop(rectangle(2, 2));
+  add_loop(hole, {{1, 1e-9}, {1.5, 1}, {0.5, 1}});
+  CHECK_THROWS_WITH(triangulate_outline(hole), Catch::Contains("vertex 4 of loop 1") &&
+                                                   Catch::Contains("segment (0, 1) of loop 0") &&
+                                                   Catch::Contains("1e-09"));
+  // Nearly straight is not thin, nor is what lies between parts of the domain but touches none.
+  for (const double bend : {1e-3, 1e-9, 1e-13}) {
+    CAPTURE(bend);
+    CHECK(area(triangulate_outline(one_loop({{0, 0}, {1, bend}, {2, 0}, {2, 1}, {0, 1}}))) == Approx(2).epsilon(2e-3));
+    CHECK(area(triangulate_outline(one_loop({{0, 0}, {1, -bend}, {2, 0}, {2, 1}, {0, 1}}))) == Approx(2).epsilon(2e-3));
+  }
+  CHECK(triangulate_outline(one_loop(circle({0, 0}, 1, 50'000))).mesh.triangles.size() == 49'998);
+}

@@ -10,6 +10,27 @@
 
 namespace framehex {
 
+namespace detail {
+
+/// @throws io_error  for a format that is not read, with those that are.
+inline MeshFormat read_mesh_format(const std::filesystem::path& path) {
+  const std::string known = "(meshes are read from .vtu .vtk .msh .mesh .meshb)";
+  const std::string extension = lower_text(path.extension().string());
+  for (const char* const surface : {".stl", ".obj", ".off", ".ply"})
+    if (extension == surface) throw io_error(path.string() + ": is a surface, not a mesh " + known);
+  MeshFormat format{};
+  try {
+    format = mesh_format(path);
+  } catch (const io_error&) {
+    throw io_error(path.string() + ": unknown extension of a mesh " + known);
+  }
+  if (format == MeshFormat::inp || format == MeshFormat::polymesh || format == MeshFormat::html)
+    throw io_error(path.string() + ": is written but not read " + known);
+  return format;
+}
+
+}  // namespace detail
+
 /// Reads a volume mesh in the format that the extension tells: .vtu .vtk .msh .mesh .meshb. Needs pugixml, zlib and
 /// liblzma.
 ///
@@ -19,10 +40,8 @@ namespace framehex {
 ///         for an array wanted of a format that has none.
 inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                            MeshReadNotes* notes = nullptr) {
-  const MeshFormat format = mesh_format(path);
+  const MeshFormat format = detail::read_mesh_format(path);
   if (format == MeshFormat::vtk) return read_legacy_vtk(path, options, notes);
-  if (format == MeshFormat::inp || format == MeshFormat::polymesh || format == MeshFormat::html)
-    throw io_error(path.string() + ": is written but not read");
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
   if (!options.regions.empty())
     throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");

@@ -61,7 +61,8 @@ void check_coordinates(const M& mesh) {
   }
   const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
   if (extent > 0 && extent < least_extent)
-    throw invalid_coordinate("the mesh is " + number_text(extent) + " wide, less than " + number_text(least_extent));
+    throw invalid_coordinate("all vertices lie in a box that is " + number_text(extent) + " wide; below " +
+                             number_text(least_extent) + " products of coordinates vanish, so take a smaller unit");
 }
 
 template <std::size_t Corners, class M>

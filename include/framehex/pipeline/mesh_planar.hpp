@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/pipeline/detail/quad_mesher.hpp"
+#include "framehex/pipeline/detail/quad_attempts.hpp"
 #include "framehex/surface/outline_triangulation.hpp"
 
 namespace framehex {
@@ -10,6 +10,10 @@ namespace framehex {
 ///
 /// Each region gets an even number of intervals on its boundary, where need be one more than the size asks for on a long
 /// curve; without any triangle left then, given an exact matcher.
+///
+/// Vertices of the outline where it bends by more than `features.corner_angle`, or by less but between straight parts
+/// longer than the size (`QuadMeshingOptions::bends`), are vertices of the mesh; between them curves have points at the
+/// mesh's own distances.
 ///
 /// @param outline  loops in any direction, holes, inner polylines; see `PlanarOutline`. Coordinates in the host's unit.
 /// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
@@ -26,8 +30,8 @@ QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Ma
                         const QuadMeshingOptions& options = {}) {
   check_options(options);
   if (!std::isfinite(outline.z)) throw invalid_coordinate("z of the outline is not finite");
-  QuadMeshing result = detail::QuadMesher<Match, Size>(matcher, size, options)
-                           .run(triangulate_outline(outline).surface(options.features));
+  QuadMeshing result =
+      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, options);
   for (Vector3& p : result.mesh.points) p.z() = outline.z;
   for (Vector3& p : result.background.points) p.z() = outline.z;
   return result;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/mesh/validation.hpp"
-#include "framehex/pipeline/detail/quad_mesher.hpp"
+#include "framehex/pipeline/detail/quad_attempts.hpp"
 
 namespace framehex {
 
@@ -49,7 +49,8 @@ inline void check_no_twins(std::span<const std::array<index_t, 3>> triangles) {
 
 /// From a triangulated surface, open or closed, to quadrilaterals that follow it and its features.
 ///
-/// Sheets may meet in edges of three or more triangles. Patches between features get an even number of intervals each,
+/// Where cells of the size would be too far from the surface (`RetriangulationOptions::max_deviation`; infinite: nowhere)
+/// they are smaller, and the result tells how far it is. Sheets may meet in edges of three or more triangles. Patches between features get an even number of intervals each,
 /// as regions do in `mesh_planar`.
 ///
 /// @param surface  any TriangleMesh. Coordinates in the host's unit.
@@ -71,7 +72,7 @@ QuadMeshing mesh_shell(const M& surface, const Size& size, const Match& matcher,
   Surface input(surface, options.features);
   detail::check_no_twins(input.triangles());
   detail::check_orientation(input);
-  return detail::QuadMesher<Match, Size>(matcher, size, options).run(std::move(input));
+  return detail::mesh_quads(input, size, matcher, options);
 }
 
 }  // namespace framehex

@@ -6,6 +6,7 @@
 #include "framehex/quads/improvement.hpp"
 #include "framehex/quads/quadrangulate.hpp"
 #include "framehex/surface/cross_field.hpp"
+#include "framehex/surface/distinct_bends.hpp"
 #include "framehex/surface/retriangulation.hpp"
 
 namespace framehex {
@@ -21,7 +22,9 @@ enum class FrontOrder {
 /// What refers to a mesh by number (`curves.added`, `surface.complete`, `quads.frames`) is not looked at: the meshes are
 /// made on the way.
 struct QuadMeshingOptions {
-  FeatureOptions features = {};
+  /// Without a volume behind them, bends of curves count as those of edges do.
+  FeatureOptions features = {.corner_angle = FeatureOptions{}.angle};
+  BendOptions bends = {};  ///< which smaller bends are corners too
   CrossFieldOptions cross_field = {};
   FrontOrder order = FrontOrder::smoothness;
   CurveOptions curves = {};
@@ -36,6 +39,7 @@ struct QuadMeshingOptions {
   template <class Options, class Visit>
   static void each_number(Options& o, Visit&& visit) {
     FeatureOptions::each_number(o.features, visit);
+    BendOptions::each_number(o.bends, visit);
     CrossFieldOptions::each_number(o.cross_field, visit);
     CurveOptions::each_number(o.curves, visit);
     SurfaceOptions::each_number(o.surface, visit);
@@ -55,6 +59,15 @@ struct QuadStageSeconds {
   double quadrangulation = 0;  ///< matching
   double improvement = 0;
 
+  QuadStageSeconds& operator+=(const QuadStageSeconds& other) {
+    preparation += other.preparation;
+    field += other.field;
+    insertion += other.insertion;
+    triangulation += other.triangulation;
+    quadrangulation += other.quadrangulation;
+    improvement += other.improvement;
+    return *this;
+  }
   double total() const { return preparation + field + insertion + triangulation + quadrangulation + improvement; }
 };
 
@@ -83,7 +96,7 @@ struct QuadMeshingStatistics {
 
 /// Quadrilaterals, and how they came about.
 struct QuadMeshing {
-  QuadMesh mesh;       ///< with patches, feature curves and corners, as numbered in the features of the input
+  QuadMesh mesh;       ///< with patches, feature curves and corners, as numbered in the features of the background
   Surface background;  ///< the input with short edges
   SurfaceCrossField cross_field;  ///< on its triangles
   QuadMeshingStatistics statistics;

@@ -37,12 +37,33 @@ inline std::vector<PatchSet> odd_sides(const Surface& surface) {
   return sides;
 }
 
+/// Marks the curves of patches with three that an interval more would make as long as the two others together: such a
+/// triangle does not fall into the three blocks about a vertex of three cells, and its cells are poor.
+inline std::vector<char> too_long_for_triangles(const std::vector<PatchSet>& sides, std::size_t n_patches,
+                                                std::span<const index_t> n_intervals) {
+  const Csr<index_t> curves_of_patch = make_csr(n_patches, [&](auto&& put) {
+    for (index_t c = 0; c < sides.size(); ++c)
+      for (const index_t patch : sides[c]) put(patch, c);
+  });
+  std::vector<char> marks(sides.size(), 0);
+  for (std::size_t patch = 0; patch < n_patches; ++patch) {
+    const auto curves = curves_of_patch[patch];
+    if (curves.size() != 3) continue;
+    index_t sum = 0;
+    for (const index_t c : curves) sum += n_intervals[c];
+    for (const index_t c : curves)
+      if (2 * n_intervals[c] + 1 >= sum) marks[c] = 1;
+  }
+  return marks;
+}
+
 }  // namespace detail
 
 /// Curves to which one interval has to be added so that each patch has an even number on its boundary: without that it
 /// does not fall into quadrilaterals.
 ///
-/// Curves that one patch has for itself are taken before shared ones, and long ones before short ones.
+/// Curves that one patch has for itself are taken before shared ones, and long ones before short ones; last those sides
+/// of triangles that would become as long as the two others.
 ///
 /// @param n_intervals  one a curve.
 /// @return curves, ascending. Patches stay odd only where no choice of curves makes them even.
@@ -61,11 +82,13 @@ inline std::vector<index_t> curves_to_lengthen(const Surface& surface, std::span
   }
   if (odd.empty()) return {};
 
+  const std::vector<char> too_long = detail::too_long_for_triangles(sides, features.n_patches, n_intervals);
   std::vector<index_t> order(sides.size());
   std::iota(order.begin(), order.end(), index_t{0});
   std::stable_sort(order.begin(), order.end(), [&](index_t a, index_t b) {
     const bool shared_a = sides[a].size() > 1, shared_b = sides[b].size() > 1;
-    return shared_a != shared_b ? shared_b : length[a] > length[b];
+    if (shared_a != shared_b) return shared_b;
+    return too_long[a] != too_long[b] ? too_long[b] != 0 : length[a] > length[b];
   });
   // Combinations of curves, each with the patches that it changes, found under the greatest of them.
   struct Combination {

@@ -51,8 +51,9 @@ struct CrossFieldOptions {
 ///                 large triangles first.
 /// @return frames of unit quaternions without NaN, whatever the shape of the triangles.
 /// @throws invalid_option  for a number outside its range.
-/// @par Complexity   One sparse factorisation of n_edges complex unknowns for all patches with features and one for
-///                   each closed one: O(n^1.5); about 1 kB an edge.
+/// @par Complexity   One sparse factorisation of n_edges complex unknowns for all patches with features and some for
+///                   each closed one: O(n^1.5); about 1 kB an edge. Closed patches of more than 160,000 edges are solved
+///                   on about 20,000 sets of edges, in O(n) beside those, and evened out on the edges.
 /// @par Determinism  The same everywhere up to rounding; closed patches start from a fixed pseudo-random vector.
 /// @par Source       The paper, equation (1), for planar domains. Knoeppel, Crane, Pinkall, Schroeder, ACM Trans.
 ///                   Graph. 32 (2013) for closed surfaces. Departs from both: unknowns on edges instead of vertices,

@@ -5,6 +5,7 @@
 #include "framehex/surface/detail/constrained_delaunay.hpp"
 #include "framehex/surface/planar_outline.hpp"
 
+#include <sstream>
 #include <utility>
 
 namespace framehex {
@@ -200,13 +201,81 @@ inline void check_outline(const PlanarOutline& outline) {
   }
 }
 
+/// Distances in an outline, over its diagonal, that are too small to mesh by coordinates that round.
+inline constexpr double least_outline_distance = 1e-8;
+
+/// Vertices and segments of an outline by name, with the polyline that has them.
+class OutlineNames {
+public:
+  explicit OutlineNames(const PlanarOutline& outline) : outline_(outline) {}
+
+  std::string vertex(index_t v) const {
+    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
+      const auto row = outline_.polyline(i);
+      if (std::find(row.begin(), row.end(), v) != row.end())
+        return "vertex " + std::to_string(v) + " of " + polyline(i);
+    }
+    return "vertex " + std::to_string(v);
+  }
+  std::string segment(index_t a, index_t b) const {
+    const std::string name = "segment (" + std::to_string(a) + ", " + std::to_string(b) + ")";
+    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
+      const auto row = outline_.polyline(i);
+      for (std::size_t k = 1; k < row.size(); ++k)
+        if (std::minmax(row[k - 1], row[k]) == std::minmax(a, b)) return name + " of " + polyline(i);
+    }
+    return name;
+  }
+
+private:
+  std::string polyline(std::size_t i) const {
+    const std::size_t n_loops = outline_.loops.size();
+    return i < n_loops ? "loop " + std::to_string(i) : "inner polyline " + std::to_string(i - n_loops);
+  }
+  const PlanarOutline& outline_;
+};
+
+/// Refuses vertices that are next to the same point, and a domain that is next to nothing between a vertex and a
+/// segment: neighbours in a Delaunay triangulation both.
+inline void check_separation(const PlanarOutline& outline, const ConstrainedDelaunay& delaunay,
+                             const OutlineTriangulation& result) {
+  Eigen::AlignedBox2d box;
+  for (const Vector2& p : outline.points) box.extend(p);
+  const double least = least_outline_distance * box.diagonal().norm();
+  const OutlineNames names(outline);
+  const auto refuse = [&](const std::string& what, double distance, std::vector<std::size_t> vertices) {
+    std::ostringstream text;
+    text << what << " are " << distance << " apart, less than " << least_outline_distance
+         << " of the outline's diagonal";
+    throw invalid_outline(text.str(), Entity::vertex, std::move(vertices));
+  };
+  const EditableSurface& mesh = delaunay.mesh();
+  for (index_t h = 0; h < mesh.opposite.size(); ++h) {
+    const index_t a = mesh.from(h), b = mesh.to(h);
+    if (a > b || delaunay.is_box_corner(b)) continue;
+    if (const double length = (outline.points[b] - outline.points[a]).norm(); length < least)
+      refuse(names.vertex(a) + " and " + names.vertex(b), length, {a, b});
+  }
+  for (const auto& t : result.mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const index_t a = t[i], b = t[(i + 1) % 3], w = t[(i + 2) % 3];
+      if (!mesh.feature[mesh.find(a, b)]) continue;
+      const Vector2 side = outline.points[b] - outline.points[a], to = outline.points[w] - outline.points[a];
+      // To the segment, not its line: along a curve of many points each is next to the lines of its neighbours.
+      const double along = std::clamp(side.dot(to) / side.squaredNorm(), 0.0, 1.0),
+                   distance = (to - along * side).norm();
+      if (distance < least) refuse(names.vertex(w) + " and " + names.segment(a, b), distance, {w, a, b});
+    }
+}
+
 }  // namespace detail
 
 /// Triangulates a planar domain without adding a vertex: the constrained Delaunay triangulation of its outline.
 ///
 /// @throws invalid_outline  for points that no polyline uses (the vertex), loops that are open (the loop and the vertex), segments that cross (their vertices) or
-///         occur twice, vertices that are the same point (both) or lie on a segment (the vertex, then the segment's), inner
-///         polylines outside (the polyline), an outline that bounds nothing; invalid_coordinate, invalid_connectivity.
+///         occur twice, vertices that are the same point (both) or lie on a segment (the vertex, then the segment's), or
+///         are nearer to them within the domain than 1e-8 of the diagonal (the same), inner polylines outside (the
+///         polyline), an outline that bounds nothing; invalid_coordinate, invalid_connectivity.
 /// @par Complexity   about O(n log n) for n points.
 /// @par Source       Lawson's flips; Sloan, Comput. Struct. 47 (1993) 441-450, for the segments.
 inline OutlineTriangulation triangulate_outline(const PlanarOutline& outline) {
@@ -221,6 +290,7 @@ inline OutlineTriangulation triangulate_outline(const PlanarOutline& outline) {
     for (std::size_t k = 1; k < row.size(); ++k) delaunay.insert_segment(row[k - 1], row[k]);
   }
   OutlineTriangulation result = detail::OutlineFaces(outline, delaunay).run();
+  detail::check_separation(outline, delaunay, result);
   result.mesh.points = std::move(flat.points);
   return result;
 }

@@ -28,8 +28,11 @@ public:
       *observer = options_.observer;
   }
 
-  QuadMeshing run(Surface input) {
+  /// @param inside  limits of the size that points inside patches keep besides, not those of curves.
+  QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
     input_ = std::move(input);
+    inside_ = std::move(inside);
+    add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     locator_ = SurfaceLocator(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.preparation);
@@ -39,19 +42,24 @@ public:
     // resort are triangles. Where the input is far from a sound mesh, the next has a smaller size.
     for (int n_folded = 0, n_far = 0; n_folded < most_widenings;) {
       if (!fill_patches()) return cancelled<QuadMeshing>();
-      if (!folded_.empty()) {
-        if (n_folded > 1 && folded_.size() >= folded_before_) break;
-        folded_before_ = folded_.size();
-        remember_folded();
-        ++n_folded;
+      const std::vector<SizeLimit> limits = limits_where_far();
+      if (folded_.empty()) {
+        if (limits.empty()) return std::move(result_);
+        if (!sound_ || result_.statistics.deviation < sound_->statistics.deviation) sound_ = result_;
+        const bool near = sound_->statistics.deviation <= near_enough * options_.retriangulation.max_deviation;
+        if (n_far == most_shrinkings || (n_far >= usual_shrinkings && near)) break;
+      }
+      // Far from the input cells may be folded because there are too few of them.
+      if (!limits.empty() && n_far < most_shrinkings) {
+        if (++n_far > usual_shrinkings) shrink_margin_ = 0.65;
+        size_.add(limits);
+        result_.statistics.n_shrunk_places = size_.limits().size();
         continue;
       }
-      const std::vector<SizeLimit> limits = limits_where_far();
-      if (limits.empty()) return std::move(result_);
-      if (!sound_ || result_.statistics.deviation < sound_->statistics.deviation) sound_ = result_;
-      if (n_far++ == most_shrinkings) break;
-      size_.add(limits);
-      result_.statistics.n_shrunk_places = size_.limits().size();
+      if (n_folded > 1 && folded_.size() >= folded_before_) break;
+      folded_before_ = folded_.size();
+      remember_folded();
+      ++n_folded;
     }
     if (sound_) {
       sound_->seconds = result_.seconds;
@@ -65,9 +73,10 @@ public:
 private:
   static constexpr double halved = 2.5;        ///< triangles whose edges are halved to be short, by those that just are
   static constexpr int most_widenings = 4;     ///< attempts that leave folded cells
-  static constexpr int most_shrinkings = 5;    ///< attempts that are too far from the input, after the first
+  static constexpr int usual_shrinkings = 5;   ///< attempts that are too far from the input, after the first
+  static constexpr int most_shrinkings = 12;   ///< the same, where even the nearest is much too far
+  static constexpr double near_enough = 1.2;   ///< by the deviation that is wanted: not much too far
   static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
-  static constexpr double shrink_margin = 0.8;  ///< to a size that would just do
 
   /// @return false when told to stop.
   bool fill_patches() {
@@ -159,8 +168,10 @@ private:
       if (curves.status == Status::cancelled) return false;
     }
     result_.statistics.lengthened_curves = longer;
+    LimitedSize<Size> size = size_;
+    if (!inside_.empty()) size.add(inside_);
     const auto insert = [&](auto order) {
-      return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size_,
+      return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size,
                                    options_.surface, order);
     };
     samples_ = options_.order == FrontOrder::fifo ? insert(FifoOrder{}) : insert(SmoothnessOrder{});
@@ -266,8 +277,8 @@ private:
       farthest = std::max(farthest, distance / diagonal);
       if (distance <= tolerance) return;
       // Of a curved surface chords are off by the square of their length.
-      const double ratio = std::max(least_shrink, shrink_margin * std::sqrt(tolerance / distance));
-      limits.push_back({p, ratio * size_(p)});
+      const double ratio = std::max(least_shrink, shrink_margin_ * std::sqrt(tolerance / distance));
+      limits.push_back({p, ratio * std::min(size_(p), diagonal)});
     };
     IndexedTriangleMesh mesh{result_.mesh.points, {}};
     for (index_t q = 0; q < result_.mesh.cells.size(); ++q) {
@@ -308,6 +319,7 @@ private:
   const Match& matcher_;
   LimitedSize<Size> size_;
   QuadMeshingOptions options_;
+  std::vector<SizeLimit> inside_;
 
   Stopwatch watch_;
   QuadMeshing result_;
@@ -316,6 +328,7 @@ private:
   SurfaceLocator locator_;  // of the input
   Surface surface_;         // through the samples
   SurfaceInsertion samples_;
+  double shrink_margin_ = 0.8;          // to a size that would just do
   std::vector<index_t> folded_;         // cells of the last attempt
   std::size_t folded_before_ = 0;       // number of those of the one before
   std::vector<Vector3> folded_places_;  // of all attempts

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/surface/detail/edge_connection.hpp"
+#include "framehex/surface/detail/edge_clusters.hpp"
 #include "framehex/surface/feature_graph.hpp"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #include <functional>
 #include <random>
@@ -116,6 +117,7 @@ public:
   }
 
 private:
+  static constexpr std::size_t most_factorised = 160'000, n_clusters = 20'000;
   using Vector = Eigen::VectorXcd;
   using Matrix = Eigen::SparseMatrix<Complex>;
   using Factor = Eigen::SimplicialLDLT<Matrix>;
@@ -182,25 +184,59 @@ private:
     return m;
   }
 
+  /// Patches of very many edges are solved on clusters of them, and only then spread on the edges: the factorisations
+  /// grow faster than the patch.
   bool solve_closed(std::span<const index_t> triangles, const std::vector<Complex>& guide,
                     const ClosedOptions& options) {
     const Unknowns u = number(triangles);
     const auto n = static_cast<Eigen::Index>(u.edges.size());
     if (n == 0) return true;
     const Eigen::VectorXd m = mass(u);
+    Vector x(n);
+    for (Eigen::Index i = 0; i < n; ++i) x[i] = guide[u.edges[static_cast<std::size_t>(i)]];
+    if (u.edges.size() <= most_factorised) {
+      if (!solve_smoothest([&](double shift) { return assemble(u, shift, nullptr); }, m, options, x)) return false;
+    } else {
+      if (!solve_on_clusters(u, m, options, x)) return false;
+    }
+    store(u, x);
+    return going();
+  }
+
+  bool solve_on_clusters(const Unknowns& u, const Eigen::VectorXd& m, const ClosedOptions& options, Vector& x) const {
+    const EdgeClusters clusters(adjacency_, connection_, u.edges, unknown_, assemble(u, 0, nullptr), n_clusters);
+    if (!going()) return false;
+    const Eigen::VectorXd coarse_mass = clusters.mass(m);
+    Vector y = clusters.sums(m.array() * x.array()).array() / coarse_mass.array().max(least_positive);
+    const auto matrix = [&](double shift) {
+      Matrix sum = clusters.stiffness();
+      sum.diagonal() += Vector(shift * coarse_mass.array());
+      return sum;
+    };
+    if (!solve_smoothest(matrix, coarse_mass, options, y)) return false;
+    x = clusters.prolong(y);
+    return spread(u, m, m.sum() / static_cast<double>(clusters.size()), x);
+  }
+
+  /// @param matrix_with  stiffness plus a multiple of the mass.
+  /// @param x            the guide; replaced by the solution.
+  template <class MatrixWith>
+  bool solve_smoothest(const MatrixWith& matrix_with, const Eigen::VectorXd& m, const ClosedOptions& options,
+                       Vector& x) const {
+    const Eigen::Index n = x.size();
     const double shift =
         1e-3 / m.sum();  // below the least eigenvalue of any surface with curvature, so convergence is quick
     Factor factor;
-    const Matrix matrix = assemble(u, shift, nullptr);
-    factor.analyzePattern(matrix);
-    if (!going()) return false;
-    factor.factorize(matrix);
-
-    Vector x(n), pull(n);
+    {
+      const Matrix matrix = matrix_with(shift);
+      factor.analyzePattern(matrix);
+      if (!going()) return false;
+      factor.factorize(matrix);
+    }
+    Vector pull = x;
     std::mt19937_64 engine(1);
     const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; };
     for (Eigen::Index i = 0; i < n; ++i) {
-      pull[i] = guide[u.edges[static_cast<std::size_t>(i)]];
       const double real = uniform(), imaginary = uniform();
       x[i] = pull[i] + 0.1 * Complex(real, imaginary);
     }
@@ -225,29 +261,46 @@ private:
       if (std::abs(agreement) > 0) x *= agreement / std::abs(agreement);
       x += options.curvature * pull;
     }
-    if (!diffuse(u, m, 1 / eigenvalue, options.diffusion_steps, factor, x)) return false;
-    store(u, x);
-    return going();
+    return diffuse(matrix_with, m, 1 / eigenvalue, options.diffusion_steps, factor, x);
+  }
+
+  static void normalize(Vector& x) {
+    for (Complex& value : x)
+      if (std::abs(value) > 0) value /= std::abs(value);
   }
 
   /// Spreads and brings back to unit size, over shorter and shorter times: where the eigenvector is small its direction
   /// is poor, and pairs of opposite singularities stand there that unit crosses do not want.
-  bool diffuse(const Unknowns& u, const Eigen::VectorXd& m, double time, int steps, Factor& factor, Vector& x) const {
-    const auto normalize = [&] {
-      for (Complex& value : x)
-        if (std::abs(value) > 0) value /= std::abs(value);
-    };
+  template <class MatrixWith>
+  bool diffuse(const MatrixWith& matrix_with, const Eigen::VectorXd& m, double time, int steps, Factor& factor,
+               Vector& x) const {
     for (int round = 0; round < steps; ++round) {
       time /= 4;
       if (!going()) return false;
-      factor.factorize(assemble(u, 1 / time, nullptr));
+      factor.factorize(matrix_with(1 / time));
       for (int i = 0; i < 4; ++i) {
         if (!going()) return false;
-        normalize();
+        normalize(x);
         x = factor.solve(Vector(m.array() * x.array()));
       }
-      normalize();
+      normalize(x);
     }
+    return true;
+  }
+
+  /// `diffuse` over an area so small that a few conjugate gradients are enough: what clusters cannot tell.
+  bool spread(const Unknowns& u, const Eigen::VectorXd& m, double area, Vector& x) const {
+    Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper> solver;
+    solver.setMaxIterations(100);
+    solver.setTolerance(1e-2);
+    const Matrix matrix = assemble(u, 1 / area, nullptr);
+    solver.compute(matrix);
+    for (int i = 0; i < 4; ++i) {
+      if (!going()) return false;
+      normalize(x);
+      x = solver.solveWithGuess(Vector(m.array() * x.array() / area), x);
+    }
+    normalize(x);
     return true;
   }
 

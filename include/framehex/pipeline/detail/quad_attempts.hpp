@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSL-1.0
+#pragma once
+
+#include "framehex/pipeline/detail/quad_mesher.hpp"
+#include "framehex/verify/quad_quality.hpp"
+
+namespace framehex::detail {
+
+/// How good a mesh of quadrilaterals is where that is not the input's doing: what its worst cells are like.
+class QuadMerit {
+public:
+  explicit QuadMerit(const QuadMesh& mesh) {
+    std::vector<char> is_corner(mesh.points.size(), 0);
+    std::vector<index_t> n_cells(mesh.points.size(), 0);
+    for (const index_t v : mesh.corners) is_corner[v] = 1;
+    for (const auto& cell : mesh.cells)
+      for (std::size_t i = 0; i < QuadMesh::n_corners(cell); ++i) ++n_cells[cell[i]];
+    // A corner of the input that one cell fills is as sharp as the input has it.
+    const auto given = [&](index_t v) { return is_corner[v] && n_cells[v] == 1; };
+    const verify::QuadQuality quality = verify::quad_quality(mesh);
+    mean_ = quality.mean;
+    for (index_t c = 0; c < mesh.cells.size(); ++c) {
+      const QuadMesh::Cell& cell = mesh.cells[c];
+      const bool forced = std::any_of(cell.begin(), cell.begin() + QuadMesh::n_corners(cell), given);
+      const double worst = forced ? least_free_angle(mesh, cell, given) : quality.scaled_jacobian[c];
+      least_ = std::min(least_, worst);
+      if (worst < poor) poor_cells_.push_back(c);
+    }
+  }
+
+  const std::vector<index_t>& poor_cells() const { return poor_cells_; }
+  bool operator<(const QuadMerit& other) const {
+    return std::pair(std::min(least_, poor), mean_) < std::pair(std::min(other.least_, poor), other.mean_);
+  }
+
+private:
+  static constexpr double poor = 0.6;  ///< scaled Jacobian
+
+  template <class Given>
+  static double least_free_angle(const QuadMesh& mesh, const QuadMesh::Cell& cell, const Given& given) {
+    const std::size_t n = QuadMesh::n_corners(cell);
+    double least = 1;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (given(cell[i])) continue;
+      const Vector3& p = mesh.points[cell[i]];
+      const Vector3 x = (mesh.points[cell[(i + 1) % n]] - p).normalized(),
+                    y = (mesh.points[cell[(i + n - 1) % n]] - p).normalized();
+      least = std::min(least, x.cross(y).norm());
+    }
+    return least;
+  }
+
+  double least_ = 1, mean_ = 0;
+  std::vector<index_t> poor_cells_;
+};
+
+/// Meshes a surface; where a small mesh has poor cells, again with other points inside its patches, of which there are
+/// many that are as good. The best mesh is kept.
+template <Matcher Match, SizeField Size>
+QuadMeshing mesh_quads(const Surface& input, const Size& size, const Match& matcher, QuadMeshingOptions options) {
+  constexpr std::size_t most_cells = 500;
+  QuadMeshing best = QuadMesher<Match, Size>(matcher, size, options).run(input);
+  const QuadMeshingStatistics& s = best.statistics;
+  if (best.status == Status::cancelled || best.mesh.cells.size() > most_cells || best.mesh.n_triangles() > 0 ||
+      s.n_widened_edges > 0 || options.improvement.scope != QuadImprovementScope::everywhere)
+    return best;
+  QuadMerit merit(best.mesh);
+  std::vector<Vector3> places;
+  for (const index_t c : merit.poor_cells()) {
+    Vector3 sum = Vector3::Zero();
+    for (const index_t v : best.mesh.cells[c]) sum += best.mesh.points[v];
+    places.push_back(sum / 4);
+  }
+  const FrontOrder given = options.order, other = given == FrontOrder::fifo ? FrontOrder::smoothness : FrontOrder::fifo;
+  for (const auto& [order, factor] :
+       {std::pair{other, 1.0}, {given, 0.9}, {other, 0.9}, {given, 0.8}, {other, 0.8}, {given, 0.7}}) {
+    if (merit.poor_cells().empty()) break;
+    options.order = order;
+    std::vector<SizeLimit> inside;
+    if (factor < 1)
+      for (const Vector3& p : places) inside.push_back({p, factor * size(p)});
+    QuadMeshing next;
+    try {
+      next = QuadMesher<Match, Size>(matcher, size, options).run(input, inside);
+    } catch (const error&) {
+      continue;  // there is a mesh already
+    }
+    if (next.status == Status::cancelled) return next;
+    next.seconds += best.seconds;
+    QuadMerit next_merit(next.mesh);
+    if (next.mesh.n_triangles() == 0 && merit < next_merit) {
+      best = std::move(next);
+      merit = std::move(next_merit);
+    } else {
+      best.seconds = next.seconds;
+    }
+  }
+  return best;
+}
+
+}  // namespace framehex::detail
