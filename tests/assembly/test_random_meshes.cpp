@@ -143,7 +143,7 @@ TEST_CASE("random selections in random Delaunay meshes become conforming and val
   CHECK(n_open > 2000);
 }
 
-TEST_CASE("strongly jittered lattices are closed in every mode", "[assembly]") {
+TEST_CASE("strongly jittered lattices are closed in every mode", "[assembly][regression]") {
   std::size_t n_withdrawn = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) n_withdrawn += check_strong_jitter(4, seed, seed % 2 == 0 ? 0.45 : 0.35);
   for (const auto& [seed, jitter] : {std::pair{16u, 0.35}, std::pair{5u, 0.45}})
@@ -166,7 +166,7 @@ TEST_CASE("one face has one open quadrilateral", "[assembly]") {
   CHECK(complex.open_quad_at({2, 0, 4, no_index}) == 1);
 }
 
-TEST_CASE("more cells than corner slots can count are an error", "[assembly]") {
+TEST_CASE("more cells than corner slots can count are an error", "[assembly][regression]") {
   CHECK(detail::CellComplex::next_cell(536870910) == 536870910);
   CHECK_THROWS_AS(detail::CellComplex::next_cell(536870911), error);
 }
