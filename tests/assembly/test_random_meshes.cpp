@@ -171,6 +171,23 @@ TEST_CASE("more cells than corner slots can count are an error", "[assembly][reg
   CHECK_THROWS_AS(detail::CellComplex::next_cell(536870911), error);
 }
 
+TEST_CASE("a place for a new vertex that would be best at infinity is sought in vain, and not for long",
+          "[assembly][regression]") {
+  // Two triangles, each behind the other: no point sees both, and the farther away the less it sees them wrong.
+  detail::CellComplex complex;
+  complex.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  detail::Cavity cavity;
+  cavity.faces = {{0, 1, 2, no_index}, {3, 5, 4, no_index}};
+  const detail::CavityFiller filler(complex);
+  Vector3 place(0.3, 0.3, 0.5);
+  const double start = filler.evaluate(cavity, place, no_index);
+  REQUIRE(start < 0);
+  const double found = filler.improve_point(cavity, place, 0.1, start);
+  CHECK(found > start);
+  CHECK(found < 0);
+  CHECK(place.norm() < 100);
+}
+
 /// Run by name: `test_assembly [hundreds]`.
 TEST_CASE("five hundred strongly jittered lattices are closed in every mode", "[.][hundreds]") {
   for (unsigned seed = 1; seed <= 500; ++seed) check_strong_jitter(3 + seed % 4, seed, 0.25 + 0.05 * (seed % 5));
