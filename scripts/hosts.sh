@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds and tests the adapters whose libraries are heavy to install, and builds the examples of all hosts.
+# Builds and tests the adapters whose libraries are heavy to install, and follows the pages of all hosts from an empty folder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

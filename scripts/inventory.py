@@ -60,7 +60,7 @@ def public_names(text):
 
 
 def functions(text):
-    """Name and number of lines of each function; lambdas belong to theirs."""
+    """Name, first line (from 1) and number of lines of each function; lambdas belong to theirs."""
     lines = text.splitlines()
     i = first = 0  # the line looked at, and where its statement begins
     while i < len(lines):
@@ -73,7 +73,7 @@ def functions(text):
             end = next((j for j in range(i + 1, len(lines)) if lines[j].startswith(indent + "}")), i)
             name = re.search(r"(~?\w+|operator\S+)\(", re.sub(r"^template <.*?> (?=\w)", "", head))
             if name and not NO_FUNCTION.match(re.sub(r"^template <.*?> (?=\w)", "", head)):
-                yield name[1], end - first + 1
+                yield name[1], first + 1, end - first + 1
                 i = end
             first = i + 1
         elif line.endswith((";", "}", ":")):
@@ -92,7 +92,7 @@ def report(revision, n_longest):
         count[2] += text.count("\n")
         if "/detail/" not in path and path not in ("framehex.hpp", "io.hpp"):
             count[3] |= public_names(text)
-        longest += [(n, f"{path}: {name}") for name, n in functions(text)]
+        longest += [(n, f"{path}: {name}") for name, _, n in functions(text)]
     print(f"\n{revision or 'working tree'}\n\n| folder | headers | in detail/ | lines | public names |")
     print("| --- | ---: | ---: | ---: | ---: |")
     for folder, (n, n_detail, n_lines, names) in sorted(counts.items()):

@@ -18,6 +18,7 @@ packages=(
   chromium                                          # the page that shows a mesh, tested without a display
   libtet1.5-dev libopenmesh-dev libtbb-dev          # hosts that adapters are tested with
   locales                                           # a decimal comma for the tests
+  aspell aspell-en doxygen                          # spelling of pages and comments; the reference
 )
 
 missing=()

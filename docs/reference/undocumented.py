@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: BSL-1.0
 """Names what is public and has no words in the reference: undocumented.py XML_FOLDER
 
-Counted are namespaces' functions, concepts, enumerations and types (classes, structs, aliases) of framehex, and the functions
-of its classes but for those that every class has (constructors, destructors, operators) and the customisation points of
-`mesh_traits`, which concept TetMesh describes.
+Counted are functions, constants, concepts, enumerations and types (classes, structs, aliases) of framehex's namespaces, overloads one
+by one. Members stand on the page of their class, and specialisations of traits are described by the concepts that they serve.
 """
 import pathlib
 import sys
@@ -26,15 +25,13 @@ def undocumented(folder):
             continue
         for compound in ElementTree.parse(path).getroot().iter("compounddef"):
             name, kind = compound.findtext("compoundname"), compound.get("kind")
-            if kind not in ("class", "struct", "concept", "namespace") or not is_ours(name) or "mesh_traits" in name:
+            if kind not in ("class", "struct", "concept", "namespace") or not is_ours(name) or "_traits<" in name.replace(" ", ""):
                 continue
             if kind != "namespace" and compound.get("prot", "public") == "public" and not has_words(compound):
                 yield f"{kind} {name}"
-            for member in compound.iter("memberdef"):
+            for member in compound.iter("memberdef") if kind == "namespace" else ():
                 what = member.findtext("name")
-                if member.get("prot") != "public" or what.startswith(("operator", "~")) or what == name.split("::")[-1].split("<")[0]:
-                    continue
-                if kind == "namespace" and member.get("kind") in ("function", "enum", "typedef") and not has_words(member):
+                if member.get("kind") in ("function", "enum", "typedef", "variable") and not what.startswith("operator") and not has_words(member):
                     yield f"{member.get('kind')} {name}::{what}"
 
 

@@ -3,17 +3,23 @@
 #pragma once
 
 #include <framehex/adapters/eigen_matrices.hpp>
+#include <framehex/insertion/volume_options.hpp>
 #include <framehex/mesh/indexed_mesh.hpp>
 
 #include <memory>
 #include <random>
+
+/// Along each side.
+inline constexpr framehex::index_t n_cubes = 12;
 
 /// n^3 cubes, each cut into six tetrahedra; points inside are moved a little, so that qualities differ.
 inline framehex::IndexedTetMesh make_arrays(framehex::index_t n) {
   using framehex::index_t;
   framehex::IndexedTetMesh mesh;
   std::mt19937 random(1);
-  const auto noise = [&](index_t i) { return i == 0 || i == n ? 0. : 0.1 * (random() / 4294967296. - 0.5); };
+  const auto noise = [&](index_t i) {
+    return i == 0 || i == n ? 0. : 0.1 * (static_cast<double>(random()) / 4294967296. - 0.5);
+  };
   for (index_t k = 0; k <= n; ++k)
     for (index_t j = 0; j <= n; ++j)
       for (index_t i = 0; i <= n; ++i) mesh.points.emplace_back(i + noise(i), j + noise(j), k + noise(k));
@@ -80,4 +86,18 @@ struct MatrixMesh {
       for (Eigen::Index j = 0; j < 4; ++j)
         T(i, j) = static_cast<int>(arrays.tets[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
   }
+};
+
+/// Seeds on the lower and upper side of a cube of n^3 unit cubes, and its inside.
+inline std::vector<framehex::BoundarySeed> box_seeds(framehex::index_t n) {
+  std::vector<framehex::BoundarySeed> seeds;
+  for (framehex::index_t i = 0; i <= n; ++i)
+    for (framehex::index_t j = 0; j <= n; ++j)
+      for (const framehex::index_t k : {framehex::index_t{0}, n})
+        seeds.push_back({framehex::Vector3(i, j, k), framehex::Vector3(0, 0, k == 0 ? -1 : 1)});
+  return seeds;
+}
+struct BoxDomain {
+  double extent;
+  double clearance(const framehex::Vector3& p, double) const { return std::min(p.minCoeff(), extent - p.maxCoeff()); }
 };

@@ -10,9 +10,11 @@
 namespace framehex {
 
 /// Bounds for numbers of which only the sign matters.
+/// @{
 inline constexpr double least_positive = std::numeric_limits<double>::min();
 inline constexpr double largest_finite = std::numeric_limits<double>::max();
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+/// @}
 
 namespace detail {
 

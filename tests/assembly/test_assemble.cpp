@@ -251,7 +251,7 @@ TEST_CASE("assembly can be cancelled whenever it reports, and then leaves nothin
   }
 }
 
-TEST_CASE("a labelled patch inside stays, as quadrilaterals and triangles", "[assembly]") {
+TEST_CASE("a labelled patch inside stays, as quadrilaterals and triangles", "[assembly][regression]") {
   const auto improvement = GENERATE(ImprovementMode::none, ImprovementMode::improve);
   const auto mode = GENERATE(InterfaceMode::conforming, InterfaceMode::no_pyramids, InterfaceMode::open);
   for (std::uint64_t seed = 30; seed < 36; ++seed) {

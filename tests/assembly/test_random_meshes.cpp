@@ -144,7 +144,7 @@ TEST_CASE("random selections in random Delaunay meshes become conforming and val
   CHECK(n_open > 2000);
 }
 
-TEST_CASE("strongly jittered lattices are closed in every mode", "[assembly]") {
+TEST_CASE("strongly jittered lattices are closed in every mode", "[assembly][regression]") {
   std::size_t n_withdrawn = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) n_withdrawn += check_strong_jitter(4, seed, seed % 2 == 0 ? 0.45 : 0.35);
   for (const auto& [seed, jitter] : {std::pair{16u, 0.35}, std::pair{5u, 0.45}})
@@ -167,9 +167,26 @@ TEST_CASE("one face has one open quadrilateral", "[assembly]") {
   CHECK(complex.open_quad_at({2, 0, 4, no_index}) == 1);
 }
 
-TEST_CASE("more cells than corner slots can count are an error", "[assembly]") {
+TEST_CASE("more cells than corner slots can count are an error", "[assembly][regression]") {
   CHECK(detail::CellComplex::next_cell(536870910) == 536870910);
   CHECK_THROWS_AS(detail::CellComplex::next_cell(536870911), error);
+}
+
+TEST_CASE("a place for a new vertex that would be best at infinity is sought in vain, and not for long",
+          "[assembly][regression]") {
+  // Two triangles, each behind the other: no point sees both, and the farther away the less it sees them wrong.
+  detail::CellComplex complex;
+  complex.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  detail::Cavity cavity;
+  cavity.faces = {{0, 1, 2, no_index}, {3, 5, 4, no_index}};
+  const detail::CavityFiller filler(complex);
+  Vector3 place(0.3, 0.3, 0.5);
+  const double start = filler.evaluate(cavity, place, no_index);
+  REQUIRE(start < 0);
+  const double found = filler.improve_point(cavity, place, 0.1, start);
+  CHECK(found > start);
+  CHECK(found < 0);
+  CHECK(place.norm() < 100);
 }
 
 /// Run by name: `test_assembly [hundreds]`.

@@ -29,8 +29,13 @@ add_test(NAME "consumers: single header" COMMAND ${CMAKE_CXX_COMPILER} -std=c++2
 set_tests_properties("consumers: single header" PROPERTIES FIXTURES_REQUIRED single_header TIMEOUT 900)
 add_test(NAME "consumers: recipes" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_recipes.py
                                            ${PROJECT_SOURCE_DIR})
-add_test(NAME "consumers: Debian package of the headers"
-         COMMAND ${CMAKE_CPACK_COMMAND} -G DEB -D CPACK_COMPONENTS_ALL=headers -B
-                 ${CMAKE_CURRENT_BINARY_DIR}/consumers/deb WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
-set_tests_properties("consumers: Debian package of the headers" PROPERTIES PASS_REGULAR_EXPRESSION
-                                                                           "libframehex-dev_.*_all.deb generated")
+add_test(NAME "consumers: Debian packages"
+         COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_deb.py ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR}
+                 ${prefix} ${CMAKE_CXX_COMPILER})
+set_tests_properties("consumers: Debian packages" PROPERTIES FIXTURES_REQUIRED installed)
+add_test(NAME "consumers: FetchContent"
+         COMMAND ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/fetch_content -B ${CMAKE_CURRENT_BINARY_DIR}/consumers/fetch_content
+                 -DFRAMEHEX_SOURCE=${PROJECT_SOURCE_DIR} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER})
+add_test(NAME "consumers: results of the microbenchmark are compared"
+         COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_compare.py
+                 ${PROJECT_SOURCE_DIR}/examples/microbenchmark/compare.py)

@@ -6,7 +6,7 @@ A block after `<!-- file: PATH -->` must be that file without its licence line (
 built as examples. Any other block of language cpp is compiled after the includes of PREAMBLE and the declarations of
 tests/docs/context/PAGE.hpp: at namespace scope when it defines a type or a function, else as the body of a template,
 which is checked but spares the compiler all that it calls.
-Links to files must lead somewhere, and so must their anchors.
+Links to files must lead somewhere, and so must their anchors. Every public concept has a section of docs/concepts.md.
 """
 import argparse
 import pathlib
@@ -99,6 +99,17 @@ def check_links(page, errors):
             errors.append(f"{page}: {link} has no such heading")
 
 
+def check_concepts(root, errors):
+    sections = set(re.findall(r"\w+", " ".join(re.findall(r"^## (.*)$", (root / "docs" / "concepts.md").read_text(), re.M))))
+    for header in sorted((root / "include").rglob("*.hpp")):
+        if {"detail", "adapters"} & set(header.parts):
+            continue
+        text = re.sub(r"^namespace detail \{$.*?^\}  // namespace detail$", "", header.read_text(), flags=re.M | re.S)
+        for concept in re.findall(r"^concept (\w+)", text, re.M):
+            if concept not in sections:
+                errors.append(f"{header}: the concept {concept} has no section in docs/concepts.md")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("root", type=pathlib.Path)
@@ -113,6 +124,7 @@ def main():
             write_files(root, page)
         check_links(page, errors)
         snippets.append(snippets_of(root, page, errors))
+    check_concepts(root, errors)
     if not options.write:
         compile_snippets(snippets, [options.compiler, "-std=c++20", f"-I{root}/include", *options.flags], errors)
     print("\n".join(errors) if errors else f"{len(pages)} pages, {sum(bool(body) for _, body in snippets)} of them with snippets")

@@ -102,7 +102,7 @@ TEST_CASE("a block that takes long after many short ones delays the question by 
   CHECK(longest <= 2);  // one of each thread, though the batch had room for hundreds
 }
 
-TEST_CASE("whether to stop is asked on the calling thread, whoever works", "[executor]") {
+TEST_CASE("whether to stop is asked on the calling thread, whoever works", "[executor][regression]") {
   const auto caller = std::this_thread::get_id();
   const test::IdleCaller idle;
   int n_elsewhere = 0, n_since = 0, longest = 0;

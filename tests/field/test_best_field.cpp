@@ -281,7 +281,7 @@ TEST_CASE("sizes are extended harmonically and limited") {
   CHECK_THROWS_AS(make_size_field(locator, std::vector<double>(sizes.size(), std::nan("")), 1), invalid_field);
 }
 
-TEST_CASE("every edge that is mended leaves fewer singular facets, so that mending ends") {
+TEST_CASE("every edge that is mended leaves fewer singular facets, so that mending ends", "[regression]") {
   const IndexedTetMesh mesh = test::kuhn_lattice(3);
   const TetAdjacency adjacency = make_adjacency(mesh);
   const std::vector<FrameConstraint> constraints(mesh.points.size(), FrameConstraint::none);

@@ -206,7 +206,7 @@ TEST_CASE("options and maps out of range are refused") {
   CHECK_THROWS_AS(compute_frame_field(bad), inverted_cell);
 }
 
-TEST_CASE("parts that touch in an edge or a vertex, and cracks, have fields") {
+TEST_CASE("parts that touch in an edge or a vertex, and cracks, have fields", "[regression]") {
   for (const Vector3& shift : {Vector3(2, 2, 2), Vector3(2, 2, 0)}) {
     IndexedTetMesh mesh = test::kuhn_lattice(2);
     const IndexedTetMesh other = mesh;
@@ -232,7 +232,7 @@ TEST_CASE("parts that touch in an edge or a vertex, and cracks, have fields") {
   check_all_methods(mesh);
 }
 
-TEST_CASE("given feature edges of a mesh are in its own numbers") {
+TEST_CASE("given feature edges of a mesh are in its own numbers", "[regression]") {
   IndexedTetMesh mesh = test::kuhn_lattice(2);
   mesh.points.insert(mesh.points.begin(), Vector3(9, 9, 9));  // isolated: the boundary counts from its second vertex
   for (auto& t : mesh.tets)
@@ -252,7 +252,7 @@ TEST_CASE("given feature edges of a mesh are in its own numbers") {
   }
 }
 
-TEST_CASE("errors of the boundary come back in the numbers of the mesh") {
+TEST_CASE("errors of the boundary come back in the numbers of the mesh", "[regression]") {
   BoundarySurface boundary;
   boundary.vertex_of = {4, 7, 9};
   boundary.tet_of = {3, 8};

@@ -34,7 +34,8 @@ TEST_CASE("a flat tetrahedron leaves the weights of the edges as they are withou
     }
 }
 
-TEST_CASE("however flat a tetrahedron is, its weights stay such that the others can be told apart beside them") {
+TEST_CASE("however flat a tetrahedron is, its weights stay such that the others can be told apart beside them",
+          "[regression]") {
   for (double height = 1; height > 1e-15; height /= 3) {
     CAPTURE(height);
     CHECK(weight(pyramid_with_lid(height), 0, 1) < 1000);

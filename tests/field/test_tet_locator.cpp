@@ -63,7 +63,7 @@ TEST_CASE("a point outside is located at the nearest point of the mesh, from any
   CHECK(n_inside < 1000);
 }
 
-TEST_CASE("a long domain with a step loses no point") {
+TEST_CASE("a long domain with a step loses no point", "[regression]") {
   for (const index_t length : {40U, 400U, 4000U}) {
     const IndexedTetMesh mesh = staircase(length);
     const auto locator = std::make_shared<const TetLocator>(make_adjacency(mesh), mesh.points);

@@ -24,7 +24,7 @@ void replay(const char* target, void (*fuzz)(std::span<const std::uint8_t>)) {
 
 }  // namespace
 
-TEST_CASE("Inputs found by fuzzing keep every promise") {
+TEST_CASE("Inputs found by fuzzing keep every promise", "[regression]") {
   SECTION("readers") {
     replay("readers", test::fuzz_readers);
   }

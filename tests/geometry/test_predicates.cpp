@@ -83,7 +83,7 @@ std::array<Vector3, 4> awkward_points() {
 
 }  // namespace
 
-TEST_CASE("Orientation is the sign that rational numbers give") {
+TEST_CASE("Orientation is the sign that rational numbers give", "[regression]") {
   std::array<int, 3> met{};
   CHECK(rc::check([&met] {
     for (int i = 0; i < 20; ++i) {
@@ -114,7 +114,7 @@ TEST_CASE("Projected orientation is the sign that rational numbers give") {
   for (const int n : met) CHECK(n > 50);
 }
 
-TEST_CASE("A filter that lets an underflow pass decides nothing") {
+TEST_CASE("A filter that lets an underflow pass decides nothing", "[regression]") {
   // The minor of u and v underflows (it is -2^-1080 + 2^-1081), and w is large: what the products of doubles say is not
   // the sign.
   const double tiny = 0x1p-540;

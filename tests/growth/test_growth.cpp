@@ -30,16 +30,16 @@ double least_time(int n) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("time grows with the size of the input and not with its square", "", test::SlidingOnLongCurves,
-                   test::FramesOfNeedle, test::SelectionOfCycles, test::FieldOfManyParts, test::SitesOnLongCurves,
-                   test::RepairOfThinStrip, test::PrismsInRow) {
+TEMPLATE_TEST_CASE("time grows with the size of the input and not with its square", "[regression]",
+                   test::SlidingOnLongCurves, test::FramesOfNeedle, test::SelectionOfCycles, test::FieldOfManyParts,
+                   test::SitesOnLongCurves, test::RepairOfThinStrip, test::PrismsInRow) {
   const double once = least_time<TestType>(TestType::typical), fourfold = least_time<TestType>(4 * TestType::typical);
   INFO(once << " s and " << fourfold << " s for four times as much");
   // Quadratic time would make it sixteen times as long.
   CHECK(fourfold < 8 * once + 0.01);
 }
 
-TEST_CASE("time of a search at one vertex does not grow with the mesh") {
+TEST_CASE("time of a search at one vertex does not grow with the mesh", "[regression]") {
   const double once = least_time<test::SearchAtVertices>(test::SearchAtVertices::typical),
                fourfold = least_time<test::SearchAtVertices>(4 * test::SearchAtVertices::typical);
   INFO(once << " s and " << fourfold << " s for four times as much");

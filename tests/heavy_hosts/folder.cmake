@@ -17,3 +17,11 @@ foreach(host IN ITEMS vtk cgal gmsh netgen)
 endforeach()
 find_package(VTK 9 REQUIRED COMPONENTS FiltersCore FiltersSources FiltersVerdict IOXML)
 target_link_libraries(test_host_vtk PRIVATE VTK::FiltersCore VTK::FiltersSources VTK::FiltersVerdict VTK::IOXML)
+
+# As a new user: from an empty folder, by what the page says, against the installed library.
+foreach(host IN ITEMS eigen_matrices tetgen openmesh vtk cgal gmsh netgen tbb)
+  add_test(NAME "heavy_hosts: the page of ${host}, followed"
+           COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/follow_page.py ${host}
+                   ${CMAKE_CURRENT_BINARY_DIR}/consumers/prefix ${CMAKE_CXX_COMPILER})
+  set_tests_properties("heavy_hosts: the page of ${host}, followed" PROPERTIES FIXTURES_REQUIRED installed TIMEOUT 900)
+endforeach()

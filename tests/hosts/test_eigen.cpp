@@ -50,8 +50,8 @@ TEST_CASE("Eigen matrices take the result back") {
   const auto v = to_matrix<Eigen::MatrixXd>(reference.mesh.points);
   const auto t = to_matrix<Eigen::MatrixXi>(reference.mesh.tets);
   EigenOutput output;
-  const Recombination result =
-      recombine_into(output, EigenTets(v, t), {.regions = reference.regions, .faces = reference.faces});
+  const Recombination result = recombine_into(
+      output, EigenTets(v, t), {.regions = reference.regions, .faces = reference.faces, .edges = reference.edges});
   CHECK(result.mesh.points.empty());
   CHECK(result.vertex_of == reference.result.vertex_of);
   const MixedMesh back = from_matrices(output);

@@ -88,8 +88,8 @@ TEMPLATE_TEST_CASE("moved points are found where they are, once", "", HashGrid, 
   }
 }
 
-TEMPLATE_TEST_CASE("every point that reaches a place by its own size is found, moved ones too", "", HashGrid,
-                   RTreeFilter) {
+TEMPLATE_TEST_CASE("every point that reaches a place by its own size is found, moved ones too", "[regression]",
+                   HashGrid, RTreeFilter) {
   Uniform uniform;
   TestType filter(1.0);
   std::vector<Vector3> points;

@@ -144,7 +144,7 @@ TEST_CASE("arrays by cell of a .vtu file are labels in any type, piece by piece"
   CHECK(read_mesh(file, {.regions = "zone"}).regions == std::vector<index_t>{2, 4, 0});
 }
 
-TEST_CASE("voxels and pixels are hexahedra and quadrilaterals in another order") {
+TEST_CASE("voxels and pixels are hexahedra and quadrilaterals in another order", "[regression]") {
   const test::TemporaryFolder folder;
   const std::string points = "POINTS 8 float\n0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\n";
   const MixedMesh mesh = read_mesh(
@@ -155,7 +155,7 @@ TEST_CASE("voxels and pixels are hexahedra and quadrilaterals in another order")
   CHECK(mesh.faces.at(0).vertices == std::array<index_t, 4>{0, 1, 3, 2});
 }
 
-TEST_CASE("names of physical groups: with blanks, several on one entity, of every dimension") {
+TEST_CASE("names of physical groups: with blanks, several on one entity, of every dimension", "[regression]") {
   const test::TemporaryFolder folder;
   const std::string head =
       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n3 30 \"steel part\"\n3 77 \"copper\"\n"
@@ -204,7 +204,7 @@ TEST_CASE("names of physical groups: with blanks, several on one entity, of ever
   }
 }
 
-TEST_CASE("nodes with parameters are read in both versions of MSH") {
+TEST_CASE("nodes with parameters are read in both versions of MSH", "[regression]") {
   const test::TemporaryFolder folder;
   const std::string v2 =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$ParametricNodes\n4\n1 0 0 0 0 7\n2 1 0 0 1 7 0.5\n3 0 1 0 2 7 0.5 0.25\n"
@@ -220,7 +220,7 @@ TEST_CASE("nodes with parameters are read in both versions of MSH") {
   }
 }
 
-TEST_CASE("MEDIT in lower case and in every version of binary") {
+TEST_CASE("MEDIT in lower case and in every version of binary", "[regression]") {
   const test::TemporaryFolder folder;
   write_mesh(folder / "a.mesh", test::four_cells());
   std::string text = read_file(folder / "a.mesh");
@@ -297,7 +297,7 @@ TEST_CASE("tetrahedra are taken out of a mesh of tetrahedra only") {
   CHECK_THROWS_WITH(tetrahedra_of(test::four_cells()), Contains("cell 0 is not a tetrahedron"));
 }
 
-TEST_CASE("what VTK adds to a legacy file is passed over: metadata of arrays and fields of data") {
+TEST_CASE("what VTK adds to a legacy file is passed over: metadata of arrays and fields of data", "[regression]") {
   const test::TemporaryFolder folder;
   const std::string head = "# vtk DataFile Version 5.1\nvtk output\n", grid = "DATASET UNSTRUCTURED_GRID\n";
   const std::string metadata =
@@ -347,7 +347,7 @@ TEST_CASE("what VTK adds to a legacy file is passed over: metadata of arrays and
   }
 }
 
-TEST_CASE("numbers at the ends of their ranges are read as what is nearest, or refused") {
+TEST_CASE("numbers at the ends of their ranges are read as what is nearest, or refused", "[regression]") {
   const test::TemporaryFolder folder;
   const auto x_of = [&](const std::string& number) {
     const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0 " + number + " 0 1\n";

@@ -195,7 +195,7 @@ TEST_CASE("every digit of a coordinate is kept") {
     CHECK(read_surface(folder / name).rounding == Approx(0.277).epsilon(0.01));
 }
 
-TEST_CASE("STL as other programs write it") {
+TEST_CASE("STL as other programs write it", "[regression]") {
   const test::TemporaryFolder folder;
   const IndexedTriangleMesh box = test::box_surface({1, 2, 3});
   const std::string text = ascii_stl(box), binary = binary_stl(box);
@@ -270,7 +270,7 @@ TEST_CASE("triangles know the polygons of the file that they are of") {
   CHECK(enclosed_volume(cube.surface) == Approx(1));
 }
 
-TEST_CASE("a count that the file cannot hold is refused before anything is allocated") {
+TEST_CASE("a count that the file cannot hold is refused before anything is allocated", "[regression]") {
   const test::TemporaryFolder folder;
   const IndexedTriangleMesh box = test::box_surface({1, 1, 1});
   const std::string good_off = off(box), good_ply = ply(box);

@@ -52,7 +52,7 @@ TEST_CASE("an independent reader finds every cell right side out, with labels an
   CHECK(folder.n_entries() == 5);
 }
 
-TEST_CASE("arrays of any lengths reach a reader that renumbers their offsets") {
+TEST_CASE("arrays of any lengths reach a reader that renumbers their offsets", "[regression]") {
   const test::TemporaryFolder folder;
   std::mt19937_64 random(3);
   std::string command = PYTHON " " IO_SCRIPTS "/judge.py --arrays";
@@ -239,7 +239,7 @@ TEST_CASE("the same mesh gives the same bytes") {
   }
 }
 
-TEST_CASE("arrays keep their names, whatever is in them") {
+TEST_CASE("arrays keep their names, whatever is in them", "[regression]") {
   const test::TemporaryFolder folder;
   const std::string name = "a < b && \"c\" > 'd'\tsigma\n\xcf\x83";
   write_vtu(folder / "a.vtu", test::four_cells(), {.cells = {}, .points = {{name, std::vector<double>(12, 1.0)}}});
@@ -275,7 +275,7 @@ TEST_CASE("what cannot be written is refused by name, and leaves nothing") {
   CHECK(folder.n_entries() == 0);
 }
 
-TEST_CASE("labels that a format cannot hold are refused before a byte is written") {
+TEST_CASE("labels that a format cannot hold are refused before a byte is written", "[regression]") {
   const test::TemporaryFolder folder;
   for (const char* name : {"mesh.msh", "mesh.mesh"}) {
     for (const index_t label : {index_t{2147483647}, no_index}) {

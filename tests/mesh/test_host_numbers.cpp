@@ -91,7 +91,7 @@ struct framehex::mesh_traits<CountlessMesh<Corners>> {
 
 static_assert(TetMesh<NumberedMesh<4>> && TriangleMesh<NumberedMesh<3>>);
 
-TEST_CASE("a point that converts to an array is enough") {
+TEST_CASE("a point that converts to an array is enough", "[regression]") {
   const IndexedTetMesh lattice = test::kuhn_lattice(2);
   const auto host = numbered(lattice);
   CHECK(validated_adjacency(host).neighbours == make_adjacency(lattice).neighbours);
@@ -99,7 +99,7 @@ TEST_CASE("a point that converts to an array is enough") {
   CHECK_NOTHROW(validate_closed(numbered(extract_boundary(lattice, make_adjacency(lattice)).surface)));
 }
 
-TEST_CASE("index() must count the vertices in their order, in full") {
+TEST_CASE("index() must count the vertices in their order, in full", "[regression]") {
   const IndexedTetMesh lattice = test::kuhn_lattice(3);
   auto host = numbered(lattice);
   auto surface = numbered(extract_boundary(lattice, make_adjacency(lattice)).surface);
@@ -123,7 +123,8 @@ TEST_CASE("a handle of a cell that is no vertex is refused with the number it ha
   CHECK_THROWS_WITH(validate(host), Contains("cell 7") && Contains("18446744073709551615"));
 }
 
-TEST_CASE("more vertices, cells or half edges than 32 bits count are refused before they are looked at") {
+TEST_CASE("more vertices, cells or half edges than 32 bits count are refused before they are looked at",
+          "[regression]") {
   constexpr std::uint64_t most = no_index;
   CHECK_THROWS_WITH(validate(CountlessMesh<4>{most + 1, 0}), Contains("4294967296 vertices"));
   CHECK_THROWS_WITH(make_adjacency(CountlessMesh<4>{most + 1, 0}), Contains("4294967296 vertices"));

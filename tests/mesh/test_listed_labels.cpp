@@ -31,7 +31,7 @@ MixedMesh lattice_with_everything(const IndexedTetMesh& lattice, int n) {
 
 }  // namespace
 
-TEST_CASE("of faces and edges that are all listed those stay that bound something") {
+TEST_CASE("of faces and edges that are all listed those stay that bound something", "[regression]") {
   constexpr int n = 4;
   const IndexedTetMesh lattice = test::kuhn_lattice(n);
   const TetAdjacency adjacency = make_adjacency(lattice);

@@ -52,7 +52,7 @@ std::vector<index_t> numbers(const IndexedTetMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("flat tetrahedra on a boundary are taken off, and the surface is cut as what is under them") {
+TEST_CASE("flat tetrahedra on a boundary are taken off, and the surface is cut as what is under them", "[regression]") {
   IndexedTetMesh mesh = cube();
   for (const double z : {0.0, 1.0}) fill_flat(mesh, z, 1e-3);
   REQUIRE(mesh.tets.size() == 8);

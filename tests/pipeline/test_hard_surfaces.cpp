@@ -91,7 +91,7 @@ TEST_CASE("a surface as rough as a scan is meshed, and its field has no loops th
   mesh_and_check(test::rough_torus(0.04, 60, 24), 300);
 }
 
-TEST_CASE("without pyramids, too, every quadrilateral faces one", "[hard]") {
+TEST_CASE("without pyramids, too, every quadrilateral faces one", "[hard][regression]") {
   MeshingOptions options;
   options.order = GENERATE(PointOrder::lattice, PointOrder::smoothness);
   options.recombination.assembly.interfaces = InterfaceMode::no_pyramids;
@@ -99,7 +99,7 @@ TEST_CASE("without pyramids, too, every quadrilateral faces one", "[hard]") {
   for (const CellKind kind : result.recombination.mesh.kinds) CHECK(kind != CellKind::pyramid);
 }
 
-TEST_CASE("vertices that no triangle uses are left out", "[hard]") {
+TEST_CASE("vertices that no triangle uses are left out", "[hard][regression]") {
   const IndexedTriangleMesh box = test::box_surface({2, 1, 1});
   IndexedTriangleMesh with = box;
   with.points.insert(with.points.begin() + 3, Vector3(70, 0, 0));

@@ -207,7 +207,7 @@ TEST_CASE("a job can be cancelled at any stage, and then leaves no mesh") {
   CHECK(n_stopped >= 5);
 }
 
-TEST_CASE("numbers of other meshes than those made on the way are not looked at") {
+TEST_CASE("numbers of other meshes than those made on the way are not looked at", "[regression]") {
   const IndexedTriangleMesh surface = box({2, 1, 1}, 0.3);
   const MixedMesh mesh = mesh_surface(surface, Constant{0.5}, TetgenProcess{}).recombination.mesh;
   MeshingOptions options;
@@ -444,7 +444,8 @@ void check_sound(const MeshingResult& result) {
 
 }  // namespace
 
-TEST_CASE("a body so thin that its triangles would cross is meshed with smaller sizes, and it is told where") {
+TEST_CASE("a body so thin that its triangles would cross is meshed with smaller sizes, and it is told where",
+          "[regression]") {
   MeshingOptions options;
   options.order = PointOrder::smoothness;  // a lattice has the same points on both sides, which do not cross
   options.least_quality = 0;               // its cells are a matter of their own

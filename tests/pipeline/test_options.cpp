@@ -100,7 +100,8 @@ void check_stage(Stage&& stage) {
 
 }  // namespace
 
-TEST_CASE("every number of every options struct is refused outside its range, and accepted on its bounds") {
+TEST_CASE("every number of every options struct is refused outside its range, and accepted on its bounds",
+          "[regression]") {
   CHECK(check_ranges<FeatureOptions>() == 3);
   CHECK(check_ranges<RefinementOptions>() == 1);
   CHECK(check_ranges<CrossFieldOptions>() == 4);

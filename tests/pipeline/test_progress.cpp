@@ -25,7 +25,7 @@ IndexedTetMesh jittered_cubes(index_t n) {
 
 }  // namespace
 
-TEST_CASE("recombination is heard of all the time, whoever works", "[progress]") {
+TEST_CASE("recombination is heard of all the time, whoever works", "[progress][regression]") {
   const IndexedTetMesh mesh = jittered_cubes(28);
   test::Listener listener;
   const Observer observer = listener.observer();

@@ -211,7 +211,7 @@ void check_labels(const Recombination& result, const Labels& labels) {
 
 }  // namespace
 
-TEST_CASE("results on random hosts lead back to their vertices, cells and labels") {
+TEST_CASE("results on random hosts lead back to their vertices, cells and labels", "[regression]") {
   std::size_t n_hexahedra = 0, n_faces = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
     CAPTURE(seed);
@@ -254,7 +254,7 @@ TEST_CASE("results on random hosts lead back to their vertices, cells and labels
   CHECK(n_faces > 500);
 }
 
-TEST_CASE("labels that name nothing of the mesh are refused with their position") {
+TEST_CASE("labels that name nothing of the mesh are refused with their position", "[regression]") {
   Engine engine(7);
   const GappedMesh host = as_host(test::jittered_delaunay(3, 1, 0.2), engine);
   const TetAdjacency adjacency = validated_adjacency(host);

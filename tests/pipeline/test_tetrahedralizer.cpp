@@ -169,7 +169,7 @@ TEST_CASE("what tetgen drops or refuses is a typed error") {
   }
 }
 
-TEST_CASE("tetgen is understood by a host whose decimal point is a comma") {
+TEST_CASE("tetgen is understood by a host whose decimal point is a comma", "[regression]") {
   const test::TemporaryFolder folder;
   // A locale of our own making, so that none has to be there.
   const std::string command =
@@ -187,7 +187,7 @@ TEST_CASE("tetgen is understood by a host whose decimal point is a comma") {
   CHECK(set);
 }
 
-TEST_CASE("points that come back in another order are refused, however small the mesh") {
+TEST_CASE("points that come back in another order are refused, however small the mesh", "[regression]") {
   const test::TemporaryFolder folder;
   // TetGen, and then the first two points of its answer swapped.
   const auto program =
@@ -205,7 +205,8 @@ TEST_CASE("points that come back in another order are refused, however small the
   }
 }
 
-TEST_CASE("points that a tetrahedraliser added and does not use are forgotten, those that it uses are counted") {
+TEST_CASE("points that a tetrahedraliser added and does not use are forgotten, those that it uses are counted",
+          "[regression]") {
   const Cube cube;
   const auto answer = [&](const TetrahedralizationRequest& request) {
     // The first tetrahedron is cut from a point inside; points 64 and 66 of the answer stay unused.
@@ -229,7 +230,7 @@ TEST_CASE("points that a tetrahedraliser added and does not use are forgotten, t
   CHECK_NOTHROW(validate(result.mesh));
 }
 
-TEST_CASE("surface points nearer to each other than a hundred-millionth of the box are kept") {
+TEST_CASE("surface points nearer to each other than a hundred-millionth of the box are kept", "[regression]") {
   Cube cube;
   // An edge is cut next to its end: two points a billionth apart.
   const auto [a, b, c] = cube.surface.triangles.front();
@@ -249,7 +250,7 @@ TEST_CASE("surface points nearer to each other than a hundred-millionth of the b
   CHECK(result.mesh.points.size() == 65);
 }
 
-TEST_CASE("a tetrahedraliser that loses inner points is asked again without them") {
+TEST_CASE("a tetrahedraliser that loses inner points is asked again without them", "[regression]") {
   Cube cube;
   SECTION("those that it names") {
     cube.interior.push_back(cube.interior.front());

@@ -40,7 +40,7 @@ void check_domain(const PlanarOutline& outline, double size, double wanted, int 
 
 }  // namespace
 
-TEST_CASE("a hole is a hole, whatever joins it to the other loops") {
+TEST_CASE("a hole is a hole, whatever joins it to the other loops", "[regression]") {
   const std::string box = "0 0\n1 0\n2 0\n2 1\n1 1\n0 1\n\n", hole = ".9 .4\n1.1 .4\n1.1 .6\n.9 .6\n\n";
   // The characteristic counts vertices, edges and cells: a touched vertex once.
   check_domain(text(box + hole), 0.1, 1.96, 0, 1);
@@ -80,7 +80,7 @@ TEST_CASE("loops that are given segment by segment bound what they enclose") {
   check_domain(segments(hole, with(both, {{0, 4}})), 0.1, 1.98, 0, 1);  // a segment joins both
 }
 
-TEST_CASE("text outlines: what a line may hold, and which line is refused") {
+TEST_CASE("text outlines: what a line may hold, and which line is refused", "[regression]") {
   const auto refused = [](const std::string& lines, std::size_t line) {
     CAPTURE(lines);
     try {
@@ -137,7 +137,7 @@ TEST_CASE("outlines with z lie in one plane z = const, and so does the mesh") {
   CHECK_THROWS_AS(outline_of_edges("mesh", upright), invalid_coordinate);
 }
 
-TEST_CASE("shells: a triangle that is listed twice is refused, both named") {
+TEST_CASE("shells: a triangle that is listed twice is refused, both named", "[regression]") {
   for (const bool turned : {false, true}) {
     IndexedTriangleMesh surface = sphere_surface(1, 2);
     const std::array<index_t, 3> t = surface.triangles[7];
@@ -152,7 +152,7 @@ TEST_CASE("shells: a triangle that is listed twice is refused, both named") {
   }
 }
 
-TEST_CASE("shells: of a one-sided surface two triangles are named that run the same way in the file") {
+TEST_CASE("shells: of a one-sided surface two triangles are named that run the same way in the file", "[regression]") {
   const IndexedTriangleMesh strip = moebius_strip(12);
   for (std::size_t shift = 0; shift < strip.triangles.size(); shift += 5) {
     IndexedTriangleMesh file = strip;

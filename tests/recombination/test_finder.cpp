@@ -322,7 +322,7 @@ TEST_CASE("The observer hears of progress, and may stop the search") {
   CHECK(std::equal(stopped.vertices.begin(), stopped.vertices.end(), all.vertices.begin()));
 }
 
-TEST_CASE("Two faces with the same corners across a void are faces of no cell") {
+TEST_CASE("Two faces with the same corners across a void are faces of no cell", "[regression]") {
   const test::VoidBetween twin;
   CHECK(find_potential_hexahedra(twin.mesh).empty());
   // Each cube alone is one.

@@ -126,7 +126,7 @@ TEST_CASE("the bound by tetrahedra holds, and cliques lower it", "[selection][im
   }
 }
 
-TEST_CASE("components are proven each for itself", "[selection][select]") {
+TEST_CASE("components are proven each for itself", "[selection][select][regression]") {
   // The relaxation of a cycle of five is half a member too large: only a tree proves it.
   constexpr index_t n_cycles = 2000;
   std::vector<double> weights(5 * n_cycles, 1.0);

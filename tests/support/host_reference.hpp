@@ -11,13 +11,15 @@
 /// What every host's mesh is compared with: one mesh, its candidates and its result, made from flat arrays.
 namespace framehex::test {
 
-/// A lattice of 3 x 2 x 2 cubes in two regions, x < 2 and beyond, none of its points in line by a shear.
+/// A lattice of 4 x 3 x 3 cubes in two regions, x < 2 and beyond, none of its points in line by a shear. Labelled edges through
+/// some cubes keep them from being hexahedra, so that the result has cells of all kinds.
 struct HostReference {
   IndexedTetMesh mesh;
   std::vector<index_t> regions;
   std::vector<LabelledFace> faces;  ///< of the side x = 0, label 7
+  std::vector<LabelledEdge> edges;  ///< diagonals, label 2
   PotentialHexahedra candidates;
-  Recombination result;  ///< with regions, faces and a group of each
+  Recombination result;  ///< with regions, faces, edges and a group of each
 };
 const HostReference& host_reference();
 

@@ -112,7 +112,7 @@ TEST_CASE("inner polylines divide a domain, or end in it") {
   CHECK(area(both) == Approx(9));
 }
 
-TEST_CASE("bad outlines are refused by what is wrong") {
+TEST_CASE("bad outlines are refused by what is wrong", "[regression]") {
   PlanarOutline open = one_loop(rectangle(1, 1));
   open.loops.values.pop_back();
   open.loops.offsets.back() = 4;

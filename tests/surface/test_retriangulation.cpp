@@ -247,7 +247,7 @@ TEST_CASE("bad samples are refused by name") {
   CHECK_THROWS_AS(with({surface.points[surface.triangles()[0][0]], SampleKind::surface, 0, 0}), invalid_option);
 }
 
-TEST_CASE("two samples in one place are refused, of whatever kind, with both numbers") {
+TEST_CASE("two samples in one place are refused, of whatever kind, with both numbers", "[regression]") {
   const Surface surface = test::box_surface({1, 1, 1});
   const auto samples = test::scatter_samples(surface, 0.3);
   const auto refused = [&](std::size_t first, const SurfaceSample& twin) {
@@ -284,7 +284,7 @@ TEST_CASE("two samples in one place are refused, of whatever kind, with both num
   }
 }
 
-TEST_CASE("a surface that crosses itself does not make the repair run away") {
+TEST_CASE("a surface that crosses itself does not make the repair run away", "[regression]") {
   const auto torus = test::torus_surface(1, 1.3, 60, 40);
   const auto samples = test::scatter_samples(torus, 0.2);
   const Retriangulation r = retriangulate(torus, samples);

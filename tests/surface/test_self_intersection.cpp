@@ -84,7 +84,7 @@ TEST_CASE("triangles on a small lattice meet exactly when no axis separates them
     for (const int n : kind) CHECK(n > 1000);
 }
 
-TEST_CASE("a triangle whose rounded normal is null is decided all the same") {
+TEST_CASE("a triangle whose rounded normal is null is decided all the same", "[regression]") {
   const double e = 0x1p-52;
   const Vector3 a(0, 0, 0), b(1 + e, 1, 0), c(1, 1 - e, 0);
   CHECK(n_crossings({a, b, c, {.4, .6, 0}, {.4, .7, 0}, {.3, .7, 0}}, {0, 1, 2}, {3, 4, 5}) == 0);
@@ -94,7 +94,7 @@ TEST_CASE("a triangle whose rounded normal is null is decided all the same") {
   CHECK(n_crossings({a, b, c, {0, 1, 0}}, {0, 1, 2}, {1, 0, 3}) == 0);
 }
 
-TEST_CASE("triangles of no area count by the segments that they are") {
+TEST_CASE("triangles of no area count by the segments that they are", "[regression]") {
   const Vector3 a(0, 0, 0), b(2, 2, 2), middle(1, 1, 1);
   // Through a proper triangle, past it, and touching its corner.
   CHECK(n_crossings({a, middle, b, {2, 1, 0}, {0, 1, 2}, {1, 0, 1}}, {0, 1, 2}, {3, 4, 5}) == 1);

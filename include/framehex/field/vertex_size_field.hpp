@@ -43,6 +43,7 @@ inline void limit_gradation(const Csr<index_t>& neighbours, std::span<const Vect
   }
 }
 
+/// The same along the edges of tetrahedra.
 inline void limit_gradation(const TetAdjacency& adjacency, std::span<const Vector3> points, std::span<double> sizes,
                             double growth) {
   limit_gradation(adjacency.vertices_of_vertex, points, sizes, growth);

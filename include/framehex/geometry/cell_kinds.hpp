@@ -28,6 +28,7 @@ namespace framehex {
 /// The four kinds of cells, in ascending number of corners.
 enum class CellKind : std::uint8_t { tetrahedron, pyramid, prism, hexahedron };
 
+/// To go through them.
 inline constexpr std::array<CellKind, 4> all_cell_kinds{CellKind::tetrahedron, CellKind::pyramid, CellKind::prism,
                                                         CellKind::hexahedron};
 
@@ -51,6 +52,8 @@ struct LocalCorner {
 
 namespace cell_tables {
 
+/// What `faces_of` gives.
+/// @{
 inline constexpr std::array<LocalFace, 4> tetrahedron_faces{
     {{{1, 2, 3, -1}}, {{0, 3, 2, -1}}, {{0, 1, 3, -1}}, {{0, 2, 1, -1}}}};
 inline constexpr std::array<LocalFace, 5> pyramid_faces{
@@ -59,7 +62,10 @@ inline constexpr std::array<LocalFace, 5> prism_faces{
     {{{0, 2, 1, -1}}, {{3, 4, 5, -1}}, {{0, 1, 4, 3}}, {{1, 2, 5, 4}}, {{2, 0, 3, 5}}}};
 inline constexpr std::array<LocalFace, 6> hexahedron_faces{
     {{{0, 3, 2, 1}}, {{4, 5, 6, 7}}, {{0, 1, 5, 4}}, {{1, 2, 6, 5}}, {{2, 3, 7, 6}}, {{3, 0, 4, 7}}}};
+/// @}
 
+/// What `corners_of` gives.
+/// @{
 inline constexpr std::array<LocalCorner, 4> tetrahedron_corners{
     {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 0, 1, 3}, {3, 0, 2, 1}}};
 inline constexpr std::array<LocalCorner, 4> pyramid_corners{{{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
@@ -67,9 +73,13 @@ inline constexpr std::array<LocalCorner, 6> prism_corners{
     {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}}};
 inline constexpr std::array<LocalCorner, 8> hexahedron_corners{
     {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}}};
+/// @}
 
 /// The ends of an edge, by local corners.
 using LocalEdge = std::array<std::int8_t, 2>;
+
+/// What `edges_of` gives.
+/// @{
 inline constexpr std::array<LocalEdge, 6> tetrahedron_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 inline constexpr std::array<LocalEdge, 8> pyramid_edges{
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
@@ -77,6 +87,7 @@ inline constexpr std::array<LocalEdge, 9> prism_edges{
     {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
 inline constexpr std::array<LocalEdge, 12> hexahedron_edges{
     {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+/// @}
 
 }  // namespace cell_tables
 

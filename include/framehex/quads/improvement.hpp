@@ -14,6 +14,7 @@ enum class QuadImprovementScope {
   sound    ///< everywhere, but cells are never folded on the way: without folded cells given, none comes out
 };
 
+/// Options of `improve_quads`.
 struct QuadImprovementOptions {
   QuadImprovementScope scope = QuadImprovementScope::everywhere;
   int rounds = 4;    ///< 0 to 1000; of changes of the connectivity, each with smoothing after it

@@ -157,8 +157,10 @@ public:
   /// Improves the place of a new vertex by a pattern search along the axes and the diagonals.
   double improve_point(const Cavity& cavity, Vector3& point, double step, double best) const {
     constexpr double least_step = 1.0 / 64;
+    // Where no place sees all faces the best one may be at infinity, nearer and nearer to none at all.
+    constexpr int most_rounds = 256;
     const double first = step;
-    while (step > least_step * first) {
+    for (int round = 0; step > least_step * first && round < most_rounds; ++round) {
       bool moved = false;
       for (int d = 0; d < 14; ++d) {
         Vector3 direction;

@@ -39,6 +39,7 @@ private:
 };
 
 struct MeshCells {
+  void connect() {}
   std::vector<MeshCellType> types;
   std::vector<std::vector<index_t>> rows;
   index_t nb() const { return static_cast<index_t>(rows.size()); }

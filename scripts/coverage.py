@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSL-1.0
+"""Which lines of include/ the tests run: coverage.py BUILD_DIR [--least PERCENT] [--missing PATTERN]
+
+Reads what programs left that were built with g++ --coverage, and prints a table by folder. A line counts as run when any
+instantiation in any program ran it. Templates that nothing instantiates leave no lines for the compiler to count: what lies
+inside of functions that no program contains is counted as not run, line for line, unless it is constexpr, which the compiler may
+have run itself. Exit status 1 when less than --least percent are run. --missing lists lines and functions of headers whose
+path contains PATTERN.
+"""
+import argparse
+import collections
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+from inventory import functions
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+HEADERS = ROOT / "include" / "framehex"
+
+
+def lines_run(build):
+    """Header -> line -> how often it was run, in all programs together."""
+    counts = collections.defaultdict(collections.Counter)
+    notes = sorted(build.rglob("*.gcno"))
+    for start in range(0, len(notes), 20):
+        listed = subprocess.run(["gcov", "--json-format", "--stdout", *notes[start:start + 20]], cwd=build, check=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        for document in listed.stdout.splitlines():
+            for file in json.loads(document)["files"] if document else []:
+                path = pathlib.Path(build, file["file"]).resolve()
+                if path.is_relative_to(HEADERS):
+                    lines = counts[path.relative_to(HEADERS).as_posix()]
+                    for line in file["lines"]:
+                        lines[line["line_number"]] += line["count"]
+    return counts
+
+
+def is_statement(line):
+    """Whether a line of a function's body is likely to be one that the compiler would count."""
+    line = line.strip()
+    return bool(line) and not line.startswith("//") and line not in ("}", "};", "{", "});", "else", "} else {", "public:", "private:")
+
+
+def never_compiled(text, counted):
+    """Name, first line and statements of functions of which the compiler counted no line."""
+    lines = text.splitlines()
+    for name, first, length in functions(text):
+        head_and_body = range(first, first + length)
+        if any(n in counted for n in head_and_body) or "constexpr" in lines[first - 1]:
+            continue
+        opening = next(n for n in head_and_body if lines[n - 1].rstrip().endswith("{"))
+        yield name, first, [n for n in range(opening + 1, first + length) if is_statement(lines[n - 1])]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--least", type=float, default=0)
+    parser.add_argument("--missing", metavar="PATTERN")
+    options = parser.parse_args()
+    counts = lines_run(options.build.resolve())
+    if not counts:
+        sys.exit(f"{options.build}: no program was built with --coverage and run there")
+
+    folders = collections.defaultdict(lambda: [0, 0, 0])  # lines, of them run, of them never compiled
+    for path in sorted(HEADERS.rglob("*.hpp")):
+        header = path.relative_to(HEADERS).as_posix()
+        unseen = list(never_compiled(path.read_text(), counts[header]))
+        n_unseen = sum(len(lines) for _, _, lines in unseen)
+        missed = sorted(line for line, n in counts[header].items() if n == 0)
+        total = folders[header.split("/")[0] if "/" in header else "(top)"]
+        total[0] += len(counts[header]) + n_unseen
+        total[1] += len(counts[header]) - len(missed)
+        total[2] += n_unseen
+        if options.missing is not None and options.missing in header and (missed or n_unseen):
+            print(f"{header}: lines {missed}" + "".join(f"\n  never compiled: {name}, line {first}" for name, first, _ in unseen))
+
+    print("| folder | lines | run | % | in no program |\n| --- | ---: | ---: | ---: | ---: |")
+    everything = [sum(total[i] for total in folders.values()) for i in range(3)]
+    for folder, (n, n_run, n_unseen) in [*sorted(folders.items()), ("all", everything)]:
+        print(f"| {folder} | {n} | {n_run} | {100 * n_run / max(n, 1):.1f} | {n_unseen} |")
+    percent = 100 * everything[1] / everything[0]
+    if percent < options.least:
+        print(f"{percent:.2f} % of the lines are run, less than {options.least} %", file=sys.stderr)
+    return 1 if percent < options.least else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSL-1.0
+// A stand-in with the names of Geogram that the example uses.
+#pragma once
+
+namespace GEO {
+void initialize();
+}
