@@ -100,12 +100,19 @@ void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes,
                         "; arrays of integers by cell not used: " + unused + "\"");
 }
 
+framehex::MixedMesh read_input_mesh(const Options& options, framehex::MeshReadNotes& notes) {
+  const bool is_view = options.command == Command::view;
+  const auto volume = options.command == Command::inspect ? framehex::Volume::optional : framehex::Volume::required;
+  const auto arrays = is_view ? framehex::FileArrays::read : framehex::FileArrays::skip;
+  framehex::MixedMesh mesh =
+      framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions, .arrays = arrays}, &notes);
+  if (!is_view) remark_arrays(options, notes, "regions");  // a view shows them all
+  return mesh;
+}
+
 framehex::MixedMesh read_input_mesh(const Options& options) {
   framehex::MeshReadNotes notes;
-  const auto volume = options.command == Command::inspect ? framehex::Volume::optional : framehex::Volume::required;
-  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions}, &notes);
-  remark_arrays(options, notes, "regions");
-  return mesh;
+  return read_input_mesh(options, notes);
 }
 
 void finish(nlohmann::ordered_json& json, const Options& options) {

@@ -14,12 +14,14 @@ namespace framehex {
 /// liblzma.
 ///
 /// @param options  which array by cell holds the labels, for .vtu and .vtk only; whether there have to be volume cells.
-/// @param notes    what else was found, when not null.
+/// @param notes    what else was found, when not null; the arrays that `options` asks for, of .vtu and .vtk.
 /// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension, and
 ///         for an array wanted of a format that has none.
 inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                            MeshReadNotes* notes = nullptr) {
-  const MeshFormat format = mesh_format(path);
+  const std::optional<MeshFormat> known = known_mesh_format(path);
+  if (!known) throw io_error(path.string() + ": unknown extension of a mesh (read are .vtu .vtk .msh .mesh .meshb)");
+  const MeshFormat format = *known;
   if (format == MeshFormat::vtk) return read_legacy_vtk(path, options, notes);
   if (format == MeshFormat::inp || format == MeshFormat::polymesh || format == MeshFormat::html)
     throw io_error(path.string() + ": is written but not read");
