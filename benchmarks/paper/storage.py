@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 
-# What the tables need of a row. Rows have more; which program and which surface they are of is not known of early ones.
+# What the tables need of a run. Rows have more; which program and which surface they are of is not known of early ones.
 ROW = {"size", "cells", "tetrahedra", "prisms", "pyramids", "hexahedra", "hex_number", "hex_volume", "least", "mean",
        "least_hexahedron", "invalid", "open", "volume", "seconds", "cpu"}
 
@@ -35,6 +35,10 @@ def load(path, must_exist=True):
         missing = ROW - set(row) if isinstance(row, dict) else ROW
         if missing:
             raise Failure(f'{path}: the run "{key}" has no {", ".join(sorted(missing))}')
+    steps = results.get("steps", {})
+    for name, row in steps.items() if isinstance(steps, dict) else [("", None)]:
+        if not isinstance(row, dict) or not isinstance(row.get("variants"), dict):
+            raise Failure(f'{path}: the steps "{name}" have no variants')
     return results
 
 

@@ -19,7 +19,7 @@ PAPER = ROOT / "benchmarks" / "paper"
 PROGRAM = """#!/usr/bin/python3
 # {comment}
 import json, os, pathlib, subprocess, sys, time
-if len(sys.argv) == 3:  # paper_steps
+if "--size" not in sys.argv:  # paper_steps
     print(json.dumps({{"fronts": {{"hex_number": 50.0, "hex_volume": 60.0, "least": 0.1, "cpu": 1.0}}}}))
     sys.exit(0)
 value = lambda name, other=None: sys.argv[sys.argv.index(name) + 1] if name in sys.argv else other
@@ -169,6 +169,7 @@ class TestBadInput(Case):
         self.refused(self.run_it(self.program, "--only", "nacca"), "nacca")
 
     def test_nothing_to_run(self):
+        self.refused(self.run_it("--steps", self.program, "--only", "ball"), "nothing to run")
         self.refused(self.run_it(self.program, "--only", "dome", "--sizes", "shapes"), "nothing to run")
 
     def test_unreadable_surface(self):
