@@ -431,7 +431,8 @@ class TestView(Case):
         self.assertIn("6 faces seen", self.text("shown-text"))
 
     def test_a_plane_through_zero_is_at_zero(self):
-        self.view(grid(UNIT_CUBE.replace("1", "0.7").replace("0 ", "-0.7 ").removesuffix("0.7") + "0.7"), "cut=y,0.5")
+        points = [f"{x} {[-0.1, 0.3][y]} {z}" for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        self.view(grid("  ".join(points)), "cut=y,0.25")
         self.assertEqual(self.text("at-value"), "y = 0")
 
     def test_addresses_that_cannot_be_followed(self):
