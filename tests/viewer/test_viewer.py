@@ -364,6 +364,35 @@ def array(name, values, kind="Float64", components=1):
     return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="ascii">{values}</DataArray>'
 
 
+def msh_with_values(binary):
+    """A quadrilateral and a cube in Gmsh's format 2, values at nodes and elements, in steps, and vectors."""
+    out = b"$MeshFormat\n2.2 %d 8\n" % binary + (struct.pack("<i", 1) + b"\n" if binary else b"") + b"$EndMeshFormat\n"
+
+    def numbers(kinds, *values):
+        return struct.pack(f"<{kinds}", *values) if binary else (" ".join(map(repr, values)) + "\n").encode()
+
+    def section(name, head, *rows):
+        return f"${name}\n{head}\n".encode() + b"".join(rows) + (b"\n" if binary else b"") + f"$End{name}\n".encode()
+
+    def values(name, title, step, components, rows):
+        head = f'1\n"{title}"\n1\n0.5\n3\n{step}\n{components}\n{len(rows)}'
+        return section(name, head, *(numbers("i" + "d" * components, *row) for row in rows))
+
+    points = [[float(x) for x in point.split()] for point in UNIT_CUBE.split("  ")]
+    out += section("Nodes", 8, *(numbers("iddd", 10 + i, *point) for i, point in enumerate(points)))
+    corners = [range(10, 14), range(10, 18)]
+    if binary:
+        elements = [struct.pack("<3i", kind, 1, 2) + struct.pack(f"<{3 + len(c)}i", number, 0, 1, *c)
+                    for number, kind, c in zip((5, 9), (3, 5), corners)]
+    else:
+        elements = [(f"{number} {kind} 2 0 1 " + " ".join(map(str, c)) + "\n").encode()
+                    for number, kind, c in zip((5, 9), (3, 5), corners)]
+    out += section("Elements", 2, *elements)
+    out += values("ElementData", "stress", 0, 1, [(5, 1.0), (9, 2.0)]) + values("ElementData", "stress", 1, 1, [(5, 5.0), (9, 6.0)])
+    out += values("NodeData", 'a "view"', 0, 1, [(10 + i, float(i)) for i in range(8)])
+    return out + values("NodeData", "flow", 0, 3, [(10, 1.0, 2.0, 3.0)])
+
+
 class TestView(Case):
     """Pages of `framehex view`: arrays of the file, bad cells, bad addresses."""
 
@@ -405,6 +434,16 @@ class TestView(Case):
         self.assertEqual(self.legend(), ["Heat", "0.5", "0.5"])
         self.page.open(self.path / "page.html", "colour=a b")
         self.assertEqual(self.legend(), ["A b", "6", "6"])
+
+    def test_values_of_gmsh_files(self):
+        for binary in (False, True):
+            (self.path / "mesh.msh").write_bytes(msh_with_values(binary))
+            framehex("view", self.path / "mesh.msh", "-o", self.path / "page.html")
+            self.page.open(self.path / "page.html", "colour=a \"view\"")
+            self.assertEqual(self.colours(), ["Kind", "Scaled Jacobian", "Stress", 'A "view"'])
+            self.assertEqual(self.legend()[1:], ["3.5", "3.5"])  # of nodes 10 to 17 with values 0 to 7
+            self.page.open(self.path / "page.html", "colour=stress")
+            self.assertEqual(self.legend()[1:], ["6", "6"])  # of the second step, and not of the quadrilateral
 
     def test_smoothness_survives_and_has_the_same_ends_everywhere(self):
         framehex("mesh", ROOT / "examples" / "data" / "bunny.stl", "--cells", 300, "-o", self.path / "bunny.vtu")

@@ -14,7 +14,7 @@ namespace framehex {
 /// liblzma.
 ///
 /// @param options  which array by cell holds the labels, for .vtu and .vtk only; whether there have to be volume cells.
-/// @param notes    what else was found, when not null; the arrays that `options` asks for, of .vtu and .vtk.
+/// @param notes    what else was found, when not null; the arrays that `options` asks for, of .vtu, .vtk and .msh.
 /// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension, and
 ///         for an array wanted of a format that has none.
 inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
@@ -28,7 +28,8 @@ inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOpti
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
   if (!options.regions.empty())
     throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
-  return format == MeshFormat::msh ? read_msh(path, options.volume) : read_medit(path, options.volume);
+  if (format != MeshFormat::msh) return read_medit(path, options.volume);
+  return read_msh(path, options.volume, notes && options.arrays == FileArrays::read ? &notes->data : nullptr);
 }
 
 /// Reads a surface in any format there is: those of `read_surface_soup`, and the triangles and quadrilaterals of a

@@ -30,8 +30,7 @@ struct MeshReadOptions {
 struct MeshReadNotes {
   std::string label_array = {};                 ///< array by cell that the labels come from; empty: none
   std::vector<std::string> unused_arrays = {};  ///< further arrays by cell of one integer a cell
-  MeshData data =
-      {};  ///< when asked for: arrays of one number by point, and by cell of the volume; .vtu and .vtk have them
+  MeshData data = {};  ///< when asked for: arrays of one number by point, and by cell of the volume
 };
 
 /// Lengths at the points of a mesh, as a file tells them.
