@@ -2,6 +2,7 @@
 // What steps that the program has no option for are worth, as JSON: lattice links and relaxation of the fronts, and the
 // search for every hexahedron against the paper's three patterns on the same tetrahedra.
 //   paper_steps SURFACE SIZE
+//   paper_steps --graph SURFACE SIZE     a row of the paper's Table 1 instead: tetrahedra, candidates and their conflicts
 #include "framehex/adapters/tetgen_process.hpp"
 #include "framehex/io/surface_reader.hpp"
 #include "framehex/pipeline/detail/better_mesh.hpp"
@@ -13,6 +14,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <string_view>
 
 using namespace framehex;
 
@@ -103,16 +105,25 @@ void compare_searches(const IndexedTetMesh& mesh) {
   row("three patterns", [&] { return find_pattern_hexahedra(mesh, options); });
 }
 
+/// By the paper's floor.
+void print_graph(const IndexedTetMesh& mesh) {
+  const PotentialHexahedra found = find_potential_hexahedra(mesh, {.quality_floor = 0.25});
+  const GraphStatistics graph = statistics(build_incompatibility_graph(found));
+  std::cout << "{\"tetrahedra\": " << mesh.tets.size() << ", \"hexahedra\": " << graph.n_candidates
+            << ", \"degree\": " << graph.mean_degree << "}\n";
+}
+
 }  // namespace
 
 int main(int n_arguments, char** arguments) {
-  if (n_arguments != 3) {
-    std::cerr << "usage: paper_steps SURFACE SIZE\n";
+  const bool graph_alone = n_arguments == 4 && std::string_view(arguments[1]) == "--graph";
+  if (n_arguments != 3 && !graph_alone) {
+    std::cerr << "usage: paper_steps [--graph] SURFACE SIZE\n";
     return 2;
   }
   try {
-    const IndexedTriangleMesh surface = read_surface(arguments[1]).surface;
-    const double h = std::strtod(arguments[2], nullptr);
+    const IndexedTriangleMesh surface = read_surface(arguments[n_arguments - 2]).surface;
+    const double h = std::strtod(arguments[n_arguments - 1], nullptr);
     const auto size = [h](const Vector3&) { return h; };
     const Remembering tetgen;
     const auto row = [&](const std::string& variant, const MeshingOptions& options) {
@@ -123,6 +134,11 @@ int main(int n_arguments, char** arguments) {
     };
     // Sizes that shrink at poor cells would hide what a step is worth.
     const MeshingOptions fronts{.order = PointOrder::smoothness, .least_quality = 0};
+    if (graph_alone) {
+      mesh_surface(surface, size, tetgen, fronts);
+      print_graph(tetgen.last());
+      return 0;
+    }
     row("fronts", fronts);
     compare_searches(tetgen.last());
     MeshingOptions no_rounds = fronts;

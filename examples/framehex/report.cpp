@@ -101,16 +101,23 @@ void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes,
                         "; arrays of integers by cell not used: " + unused + "\"");
 }
 
-framehex::MixedMesh read_input_mesh(const Options& options) {
-  framehex::MeshReadNotes notes;
-  const bool optional = options.command == Command::inspect || options.command == Command::view;
+framehex::MixedMesh read_input_mesh(const Options& options, framehex::MeshReadNotes& notes) {
+  const bool is_view = options.command == Command::view;
+  const bool optional = is_view || options.command == Command::inspect;
   const auto volume = optional ? framehex::Volume::optional : framehex::Volume::required;
-  framehex::MixedMesh mesh = framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions}, &notes);
-  if (options.command == Command::view && mesh.n_cells() == 0)
+  const auto arrays = is_view ? framehex::FileArrays::read : framehex::FileArrays::skip;
+  framehex::MixedMesh mesh =
+      framehex::read_mesh(options.input, {.volume = volume, .regions = options.regions, .arrays = arrays}, &notes);
+  if (is_view && mesh.n_cells() == 0)
     throw framehex::io_error(
         options.input + ": holds no tetrahedron, pyramid, prism or hexahedron; a view shows meshes of a volume alone");
-  remark_arrays(options, notes, "regions");
+  if (!is_view) remark_arrays(options, notes, "regions");  // a view shows them all
   return mesh;
+}
+
+framehex::MixedMesh read_input_mesh(const Options& options) {
+  framehex::MeshReadNotes notes;
+  return read_input_mesh(options, notes);
 }
 
 void finish(nlohmann::ordered_json& json, const Options& options) {

@@ -41,8 +41,9 @@ void remark(const Options& options, const std::string& text);
 /// Says which array of a file was taken for labels, where there are others that were not.
 void remark_arrays(const Options& options, const framehex::MeshReadNotes& notes, const std::string& labels);
 
-/// Reads the mesh that the options name, with remarks on its arrays.
+/// Reads the mesh that the options name, with remarks on its arrays; for a view, the arrays too.
 framehex::MixedMesh read_input_mesh(const Options& options);
+framehex::MixedMesh read_input_mesh(const Options& options, framehex::MeshReadNotes& notes);
 
 /// Prints header and row. Times are those of `seconds`.
 void print_row(const std::string& name, const Measures& measures, const framehex::StageSeconds& seconds);

@@ -27,7 +27,7 @@ class Page:
     """One page. `errors` are console errors and uncaught exceptions, `requests` the addresses that it asked for."""
 
     def __init__(self, width=1200, height=800, seconds=120):
-        self.seconds, self.n_sent, self.errors, self.requests, self.answers, self.events = seconds, 0, [], [], {}, []
+        self.seconds, self.n_sent, self.errors, self.requests, self.answers, self.loaded = seconds, 0, [], [], {}, set()
         self.folder = tempfile.TemporaryDirectory(prefix="framehex-chromium-", ignore_cleanup_errors=True)
         to_browser, self.to_browser = os.pipe()
         self.from_browser, from_browser = os.pipe()
@@ -48,6 +48,7 @@ class Page:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Runtime", "Page", "Network", "Log"):
             self.call(f"{domain}.enable")
+        self.call("Page.setLifecycleEventsEnabled", enabled=True)
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def __enter__(self):
@@ -95,8 +96,9 @@ class Page:
                 self.note(message["method"], message["params"])
 
     def note(self, event, details):
-        self.events.append(event)
-        if event == "Runtime.exceptionThrown":
+        if event == "Page.lifecycleEvent" and details["name"] == "load":
+            self.loaded.add(details["loaderId"])
+        elif event == "Runtime.exceptionThrown":
             thrown = details["exceptionDetails"]
             self.errors.append(thrown.get("exception", {}).get("description", thrown["text"]))
         elif event == "Runtime.consoleAPICalled" and details["type"] in ("error", "warning", "assert"):
@@ -110,13 +112,18 @@ class Page:
         """Loads a file and waits until it is drawn. `address`: what stands after the # (docs/viewer.md)."""
         url = pathlib.Path(path).resolve().as_uri() + (f"#{address}" if address else "")
         if self.evaluate("location.href").split("#")[0] == url.split("#")[0]:
-            self.call("Page.navigate", url="about:blank")  # another # alone would load nothing
-        self.events.clear()
-        self.call("Page.navigate", url=url)
-        until = time.monotonic() + self.seconds
-        while "Page.loadEventFired" not in self.events:
-            self.listen(until)
+            self.navigate("about:blank")  # another # alone would load nothing
+        self.navigate(url)
         self.settle()
+
+    def navigate(self, url):
+        """Goes to an address and waits until that one, and not what was there before, has been loaded."""
+        answer = self.call("Page.navigate", url=url)
+        if answer.get("errorText"):
+            raise BrowserError(f"{url}: {answer['errorText']}")
+        until = time.monotonic() + self.seconds
+        while answer["loaderId"] not in self.loaded:
+            self.listen(until)
 
     def settle(self):
         """Waits for two frames: changes are shown in the next one."""

@@ -67,6 +67,21 @@ TEST_CASE("a pyramid on a cube conforms, two tetrahedra do not", "[verify]") {
   }
 }
 
+TEST_CASE("two tetrahedra cover a quadrilateral however it is bent", "[verify]") {
+  for (const double height : {0.0, 1.0, 2.6, 10.0, 1000.0}) {
+    MixedMesh mesh = cube();
+    mesh.points[6].z() = 1 + height;  // a half turns by 60 degrees from the mean normal at the square root of 6
+    mesh.points.emplace_back(-1, -1, 4);
+    add(mesh, CellKind::tetrahedron, {4, 5, 7, 8});
+    add(mesh, CellKind::tetrahedron, {5, 6, 7, 8});
+    CHECK(verify::volume(mesh).inverted_cells.empty());
+    const auto report = verify::is_conforming(mesh);
+    CHECK(report.open_quadrilaterals.size() == 1);
+    CHECK(report.open_triangles.size() == 2);
+    CHECK(report.closed());
+  }
+}
+
 TEST_CASE("faces that do not fit are found", "[verify]") {
   MixedMesh mesh = cube();
   for (const auto& [x, y] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}})

@@ -3,7 +3,7 @@
 if(NOT TARGET framehex_program)
   return()
 endif()
-foreach(class IN ITEMS TestModel TestRegions TestSources)
+foreach(class IN ITEMS TestModel TestRegions TestView TestBrowser TestSources)
   add_test(NAME "viewer: ${class}" COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/test_viewer.py ${class})
   set_tests_properties("viewer: ${class}" PROPERTIES ENVIRONMENT
                                                      "FRAMEHEX=$<TARGET_FILE:framehex_program>;PYTHONDONTWRITEBYTECODE=1"

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.parse
 import zlib
 
 import meshio
@@ -337,6 +338,205 @@ class TestRegions(Case):
             self.assertEqual(done.returncode, 2)
             self.assertIn(word, done.stderr)
         self.assertFalse((self.path / "two.msh").exists())
+
+
+FLAT_AND_TURNED = """<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid>
+<Piece NumberOfPoints="8" NumberOfCells="{n}">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
+{points}</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">{corners}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{offsets}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{types}</DataArray></Cells>
+<PointData>{point_data}</PointData><CellData>{cell_data}</CellData>
+</Piece></UnstructuredGrid></VTKFile>
+"""
+UNIT_CUBE = "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1"
+
+
+def grid(points=UNIT_CUBE, corners="0 1 2 3 4 5 6 7", offsets="8", types="12", n=1, point_data="", cell_data=""):
+    return FLAT_AND_TURNED.format(points=points, corners=corners, offsets=offsets, types=types, n=n, point_data=point_data,
+                                  cell_data=cell_data)
+
+
+def array(name, values, kind="Float64", components=1):
+    name = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+    return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="ascii">{values}</DataArray>'
+
+
+def msh_with_values(binary):
+    """A quadrilateral and a cube in Gmsh's format 2, values at nodes and elements, in steps, and vectors."""
+    out = b"$MeshFormat\n2.2 %d 8\n" % binary + (struct.pack("<i", 1) + b"\n" if binary else b"") + b"$EndMeshFormat\n"
+
+    def numbers(kinds, *values):
+        return struct.pack(f"<{kinds}", *values) if binary else (" ".join(map(repr, values)) + "\n").encode()
+
+    def section(name, head, *rows):
+        return f"${name}\n{head}\n".encode() + b"".join(rows) + (b"\n" if binary else b"") + f"$End{name}\n".encode()
+
+    def values(name, title, step, components, rows):
+        head = f'1\n"{title}"\n1\n0.5\n3\n{step}\n{components}\n{len(rows)}'
+        return section(name, head, *(numbers("i" + "d" * components, *row) for row in rows))
+
+    points = [[float(x) for x in point.split()] for point in UNIT_CUBE.split("  ")]
+    out += section("Nodes", 8, *(numbers("iddd", 10 + i, *point) for i, point in enumerate(points)))
+    corners = [range(10, 14), range(10, 18)]
+    if binary:
+        elements = [struct.pack("<3i", kind, 1, 2) + struct.pack(f"<{3 + len(c)}i", number, 0, 1, *c)
+                    for number, kind, c in zip((5, 9), (3, 5), corners)]
+    else:
+        elements = [(f"{number} {kind} 2 0 1 " + " ".join(map(str, c)) + "\n").encode()
+                    for number, kind, c in zip((5, 9), (3, 5), corners)]
+    out += section("Elements", 2, *elements)
+    out += values("ElementData", "stress", 0, 1, [(5, 1.0), (9, 2.0)]) + values("ElementData", "stress", 1, 1, [(5, 5.0), (9, 6.0)])
+    out += values("NodeData", 'a "view"', 0, 1, [(10 + i, float(i)) for i in range(8)])
+    return out + values("NodeData", "flow", 0, 3, [(10, 1.0, 2.0, 3.0)])
+
+
+class TestView(Case):
+    """Pages of `framehex view`: arrays of the file, bad cells, bad addresses."""
+
+    def view(self, text, address="", name="mesh.vtu"):
+        (self.path / name).write_text(text)
+        framehex("view", self.path / name, "-o", self.path / "page.html")
+        self.page.open(self.path / "page.html", address)
+
+    def colours(self):
+        return self.page.evaluate("[...document.getElementById('colour').options].map((x) => x.textContent)")
+
+    def legend(self):
+        return [self.text(f"scale-{what}") for what in ("name", "low", "high")]
+
+    def test_every_array_of_one_number_is_kept(self):
+        nasty = """</script><b>"quoted" & 'so'"""
+        self.view(grid(point_data=array("pressure", "1 2 3 4 5 6 7 8") + array("frame", "0 " * 32, components=4)
+                       + array("names", "", kind="String") + array("", "0 0 0 0 0 0 0 9"),
+                       cell_data=array(nasty, "-2.5") + array("count", "7", kind="Int32") + array("label", "3", kind="Int32")
+                       + array("scaled_jacobian", "0.25")))
+        self.assertEqual(self.colours(), ["Kind", "Scaled Jacobian", nasty, "Count", "Pressure", "(no name)"])
+        for name, at in [(nasty, "-2.5"), ("count", "7"), ("pressure", "4.5")]:  # by point: the mean over the corners
+            self.page.open(self.path / "page.html", "colour=" + urllib.parse.quote(name))
+            self.assertEqual(self.legend()[1:], [at, at])
+        self.assertEqual(self.page.evaluate("document.querySelectorAll('b').length"), 0)
+        self.check_clean()
+
+    def test_arrays_go_with_the_cells_of_the_volume(self):
+        self.view(grid(corners="0 1 2 3  0 1 2 3 4 5 6 7", offsets="4 12", types="9 12", n=2, cell_data=array("q", "1 5")),
+                  "colour=q")
+        self.assertEqual(self.legend(), ["Q", "5", "5"])
+
+    def test_arrays_of_legacy_files(self):
+        self.view("# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n" + UNIT_CUBE
+                  + "\nCELLS 2 14\n4 0 1 2 3\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 2\n9 12\nCELL_DATA 2\nSCALARS a%20b double 1\n"
+                  "LOOKUP_TABLE default\n1 6\nPOINT_DATA 8\nSCALARS heat float\nLOOKUP_TABLE default\n0 0 0 0 1 1 1 1\n",
+                  "colour=heat", "mesh.vtk")
+        self.assertEqual(self.colours(), ["Kind", "Scaled Jacobian", "A b", "Heat"])
+        self.assertEqual(self.legend(), ["Heat", "0.5", "0.5"])
+        self.page.open(self.path / "page.html", "colour=a b")
+        self.assertEqual(self.legend(), ["A b", "6", "6"])
+
+    def test_values_of_gmsh_files(self):
+        for binary in (False, True):
+            (self.path / "mesh.msh").write_bytes(msh_with_values(binary))
+            framehex("view", self.path / "mesh.msh", "-o", self.path / "page.html")
+            self.page.open(self.path / "page.html", "colour=a \"view\"")
+            self.assertEqual(self.colours(), ["Kind", "Scaled Jacobian", "Stress", 'A "view"'])
+            self.assertEqual(self.legend()[1:], ["3.5", "3.5"])  # of nodes 10 to 17 with values 0 to 7
+            self.page.open(self.path / "page.html", "colour=stress")
+            self.assertEqual(self.legend()[1:], ["6", "6"])  # of the second step, and not of the quadrilateral
+
+    def test_smoothness_survives_and_has_the_same_ends_everywhere(self):
+        framehex("mesh", ROOT / "examples" / "data" / "bunny.stl", "--cells", 300, "-o", self.path / "bunny.vtu")
+        framehex("view", self.path / "bunny.vtu", "-o", self.path / "bunny.html")
+        self.page.open(self.path / "bunny.html", "colour=smoothness")
+        self.assertEqual(self.legend(), ["Smoothness", "0", "1"])
+        self.page.open(self.path / "bunny.html", "colour=smoothness&range=0.25,0.75")
+        self.assertEqual(self.legend(), ["Smoothness", "0.25", "0.75"])
+
+    def test_bad_cells_are_named(self):
+        self.view(grid())
+        self.assertTrue(self.page.evaluate("document.getElementById('invalid-text').hidden"))
+        self.view(grid(UNIT_CUBE.replace(" 1  ", " 0  ").removesuffix("1") + "0"))
+        self.assertIn("1 cell is invalid", self.text("invalid-text"))
+        self.assertEqual(self.text("volume-hexahedron"), "–")
+        widths = self.page.evaluate("[...document.querySelectorAll('#counts .bar')].map((x) => x.getBoundingClientRect().width)")
+        self.assertEqual([w > 2 for w in widths], [True] + 7 * [False])  # hexahedra by number alone
+        self.view(grid(corners="0 1 2 3 4 5 6 7  4 5 6 7 0 1 2 3", offsets="8 16", types="12 12", n=2))
+        self.assertRegex(self.text("invalid-text"), r"1 cell is invalid .*: 1$")
+
+    def test_one_is_no_plural(self):
+        self.view(grid())
+        self.assertIn("1 cell shown", self.text("shown-text"))
+        self.assertIn("6 faces seen", self.text("shown-text"))
+
+    def test_a_plane_through_zero_is_at_zero(self):
+        points = [f"{x} {[-0.1, 0.3][y]} {z}" for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        self.view(grid("  ".join(points)), "cut=y,0.25")
+        self.assertEqual(self.text("at-value"), "y = 0")
+
+    def test_addresses_that_cannot_be_followed(self):
+        for address in ("cut=x,nan", "cut=x,", "cut=q,0.5", "cut=toString,0.5", "cut=x,2", "cut=x,0.5,flop", "peel=1e9", "peel=-1",
+                        "peel=1.5", "view=1", "view=a,b", "colour=nothing", "colour=toString", "range=0,1", "kut=x,0.5"):
+            self.view(grid(), address)
+            self.assertIn(address.split("=")[1], self.text("remarks"), address)
+            self.assertFalse(self.page.evaluate("document.getElementById('remarks').hidden"), address)
+            self.assertIn("1 cell shown", self.text("shown-text"), address)
+        self.view(grid(), "cut=x,0.9&view=30,20&peel=0&colour=quality&range=0,0.5&theme=dark")
+        self.assertTrue(self.page.evaluate("document.getElementById('remarks').hidden"))
+        self.check_clean()
+
+    def test_coordinates_out_of_range(self):
+        (self.path / "far.vtu").write_text(grid(UNIT_CUBE.replace("1", "1e300")))
+        done = self.refused("view", self.path / "far.vtu", "-o", self.path / "far.html")
+        self.assertIn("vertex 1", done.stderr)
+        self.assertFalse((self.path / "far.html").exists())
+
+    def test_what_can_be_read_is_told(self):
+        done = self.refused("view", ROOT / "examples" / "data" / "bunny.stl", "-o", self.path / "far.html")
+        self.assertIn(".vtu .vtk .msh .mesh .meshb", done.stderr)
+        self.assertNotIn(".html,", done.stderr.split("bunny.stl")[1])
+        self.assertNotIn(" .html", done.stderr.split("bunny.stl")[1])
+
+    def refused(self, *arguments):
+        done = subprocess.run([os.environ["FRAMEHEX"], *map(str, arguments)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        return done
+
+
+class LatePage(Page):
+    """A browser that is still loading an empty page when it is told to go on; without the browser."""
+
+    def __init__(self):
+        self.seconds, self.errors, self.requests, self.loaded, self.n, self.at = 10, [], [], set(), 0, "about:blank"
+        self.events, self.to_come, self.settled_at = [], [], None
+
+    def call(self, method, **parameters):
+        if method == "Page.navigate":
+            self.n += 1
+            self.to_come.append((self.n, parameters["url"]))
+            return {"loaderId": str(self.n), "frameId": "frame"}
+        return {}
+
+    def listen(self, until):
+        number, self.at = self.to_come.pop(0)
+        self.note("Page.loadEventFired", {"timestamp": 0})
+        self.note("Page.lifecycleEvent", {"name": "load", "loaderId": str(number), "frameId": "frame"})
+
+    def evaluate(self, expression):
+        return self.at
+
+    def settle(self):
+        self.settled_at = self.at
+
+
+class TestBrowser(unittest.TestCase):
+    def test_a_late_load_event_of_another_page_does_not_count(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "page.html"
+            page = LatePage()
+            for address in ("a", "b"):  # for the second, an empty page stands between
+                page.open(path, address)
+                self.assertEqual(page.settled_at, path.resolve().as_uri() + f"#{address}")
 
 
 class TestSources(unittest.TestCase):

@@ -8,6 +8,7 @@ import { Panel } from "./panel.js";
 import { listenToKeys, listenToDragging } from "./input.js";
 
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+const ADDRESS_NAMES = ["view", "cut", "peel", "colour", "range", "lines", "curves", "theme", "panel"];
 
 class Viewer {
   constructor() {
@@ -21,6 +22,7 @@ class Viewer {
       kinds: [true, true, true, true], low: least, high: greatest, hiddenRegions: new Set(), dragCuts: false,
     };
     this.scales = this.colourScales(least);
+    this.remarks = [];
     this.picture = new Picture(document.getElementById("picture"));
     this.picture.addCurves(this.mesh);
     this.picture.addLines(this.mesh);
@@ -28,6 +30,7 @@ class Viewer {
     listenToKeys(this);
     listenToDragging(this);
     this.readAddress();
+    this.panel.showRemarks(this.remarks);
     this.panel.showState();
     this.update();
   }
@@ -36,7 +39,8 @@ class Viewer {
   colourScales(least) {
     const scales = { quality: { name: "Scaled Jacobian", values: this.mesh.quality, low: Math.min(least, 0), high: 1 } };
     this.mesh.arrays.forEach(({ name, values }, i) => {
-      const [low, high] = extremes(values);
+      // Smoothness has the same ends in every mesh, so that pictures of several can be compared.
+      const [low, high] = name === "smoothness" ? [0, 1] : extremes(values);
       scales[`array-${i}`] = { name, values, low, high };
     });
     return scales;
@@ -69,7 +73,7 @@ class Viewer {
   /** Cuts across "x", "y", "z", the "view" or "none", so that the eye looks at the cut. */
   cutAcross(cut) {
     const towards = this.picture.towardsEye().toArray();
-    this.change({ cut, flip: cut in AXES && towards["xyz".indexOf(cut)] < 0 });
+    this.change({ cut, flip: Object.hasOwn(AXES, cut) && towards["xyz".indexOf(cut)] < 0 });
   }
 
   /** Changes what is asked for and shows it, once a frame however often it changes. */
@@ -122,23 +126,45 @@ class Viewer {
                   hiddenRegions: new Set() });
   }
 
-  /** What the address asks for after `#`: view=AZIMUTH,ELEVATION[,ZOOM] cut=x,0.5[,flip] peel= colour= theme= panel=0. */
+  /**
+   * What the address asks for after `#`: view=AZIMUTH,ELEVATION[,ZOOM] cut=x,0.5[,flip] peel= colour= range=LOW,HIGH theme=
+   * panel=0. What cannot be done is left out, with a remark.
+   */
   readAddress() {
     const asked = new URLSearchParams(location.hash.slice(1)), { state } = this;
-    const numbers = (name) => asked.get(name).split(",").map(Number);
+    const remark = (name, why) => this.remarks.push(`${name}=${asked.get(name)}: ${why}`);
+    const numbers = (name) => asked.get(name).split(",").map((text) => (text.trim() ? Number(text) : NaN));
+    for (const name of asked.keys())
+      if (!ADDRESS_NAMES.includes(name)) remark(name, "nothing is called so");
     if (asked.has("view")) {
       const [azimuth, elevation, zoom = 1] = numbers("view");
-      this.picture.look(azimuth, elevation, zoom);
+      if ([azimuth, elevation, zoom].every(Number.isFinite) && zoom > 0) this.picture.look(azimuth, elevation, zoom);
+      else remark("view", "two angles in degrees and, if wanted, a zoom above 0 should stand here");
     }
     if (asked.has("cut")) {
-      const [cut, at = 0.5, flip] = asked.get("cut").split(",");
-      if (cut in AXES || cut === "view")
-        Object.assign(state, { cut, at: Number(at), flip: flip === "flip", viewNormal: this.picture.towardsEye().toArray() });
+      const [cut, place = "0.5", flip] = asked.get("cut").split(","), at = place.trim() ? Number(place) : NaN;
+      if (cut !== "view" && !Object.hasOwn(AXES, cut)) remark("cut", "cuts are across x, y, z or view");
+      else if (!(at >= 0 && at <= 1)) remark("cut", "a place from 0 to 1 should follow the axis");
+      else if (flip !== undefined && flip !== "flip") remark("cut", "only flip can follow the place");
+      else Object.assign(state, { cut, at, flip: flip === "flip", viewNormal: this.picture.towardsEye().toArray() });
     }
-    if (asked.has("peel")) [state.peel] = numbers("peel");
+    if (asked.has("peel")) {
+      const [peel] = numbers("peel"), most = this.panel.mostLayers;
+      if (!Number.isInteger(peel) || peel < 0) remark("peel", "a number of layers should stand here");
+      else if (peel > most) remark("peel", `there are only ${most} layers to peel`);
+      if (Number.isInteger(peel) && peel >= 0) state.peel = Math.min(peel, most);
+    }
     if (asked.has("colour")) {
-      const wanted = asked.get("colour");
-      state.colour = Object.keys(this.scales).find((key) => this.scales[key].name === wanted) ?? wanted;
+      const wanted = asked.get("colour"), known = this.panel.colours();
+      const colour = Object.keys(this.scales).find((key) => this.scales[key].name === wanted) ?? wanted;
+      if (known.includes(colour)) state.colour = colour;
+      else remark("colour", "there is no such array");
+    }
+    if (asked.has("range")) {
+      const [low, high] = numbers("range"), scale = this.scales[state.colour];
+      if (!scale) remark("range", "what is coloured by has no range");
+      else if (!(low < high && Number.isFinite(high - low))) remark("range", "two numbers should stand here, the lower first");
+      else Object.assign(scale, { low, high });
     }
     for (const which of ["lines", "curves"])
       if (asked.has(which)) this.panel.setLines(which, asked.get(which) !== "0");
@@ -150,8 +176,8 @@ class Viewer {
 function extremes(values) {
   let low = Infinity, high = -Infinity;
   for (const x of values) {
-    if (x < low) low = x;
-    if (x > high) high = x;
+    if (x < low && x > -Infinity) low = x;
+    if (x > high && x < Infinity) high = x;
   }
   return low <= high ? [low, high] : [0, 0];
 }

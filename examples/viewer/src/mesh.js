@@ -36,6 +36,7 @@ export function readMesh() {
     kinds: takeBytes("framehex-kinds"),
     corners: integers("framehex-corners"),
     quality: floats("framehex-quality"),
+    invalid: integers("framehex-invalid"),
     regions: integers("framehex-regions"),
     curves: integers("framehex-curves"),
     lines: floats("framehex-lines"),

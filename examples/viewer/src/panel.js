@@ -9,6 +9,7 @@ const ORDER = [3, 2, 1, 0];  // kinds from the hexahedra down, as everyone lists
 
 const $ = (id) => document.getElementById(id);
 const number = (n) => n.toLocaleString("en-US");
+const counted = (n, noun) => `${number(n)} ${noun}${n === 1 ? "" : "s"}`;
 const percent = (part, whole) => (whole > 0 ? `${(100 * part / whole).toFixed(1)} %` : "–");
 
 function element(tag, attributes = {}, ...children) {
@@ -25,7 +26,7 @@ const swatch = (colour) => {
 
 const bar = (share, colour) => {
   const node = element("span", { className: "bar" });
-  node.style.width = `${100 * share}%`;
+  node.style.width = `${100 * (share > 0 ? Math.min(share, 1) : 0)}%`;  // none where there is nothing to share
   if (colour) node.style.background = css(colour);
   return node;
 };
@@ -96,7 +97,7 @@ export class Panel {
         this.viewer.change({ hiddenRegions });
       };
       $("regions").append(element("li", {}, element("label", {}, box, " ", swatch(categoryColour(i)), " ",
-        `${mesh.names[label] ?? `region ${label}`}: ${number(count.get(label))} cells`)));
+        `${mesh.names[label] ?? `region ${label}`}: ${counted(count.get(label), "cell")}`)));
     });
   }
 
@@ -117,6 +118,25 @@ export class Panel {
     });
     $("quality-summary").textContent = quality.length
       ? `least ${least.toFixed(3)}, mean ${(sum / quality.length).toFixed(3)}` : "no cells";
+    this.showInvalid();
+  }
+
+  /** Cells whose Jacobian is zero or negative somewhere. */
+  showInvalid() {
+    const { invalid } = this.viewer.mesh, n = invalid.length;
+    $("invalid-text").hidden = n === 0;
+    $("invalid-text").textContent = `${counted(n, "cell")} ${n === 1 ? "is" : "are"} invalid (flat or inside out somewhere): ` +
+      [...invalid.subarray(0, N_WORST)].join(", ") + (n > N_WORST ? " ..." : "");
+  }
+
+  colours() {
+    return [...$("colour").options].map((option) => option.value);
+  }
+
+  /** What the address asks for and cannot be done. */
+  showRemarks(remarks) {
+    $("remarks").hidden = !remarks.length;
+    $("remarks").textContent = remarks.join("\n");
   }
 
   makeWorst() {
@@ -174,7 +194,7 @@ export class Panel {
     $("flip").checked = state.flip;
     $("drag").checked = state.dragCuts;
     $("peel").value = state.peel;
-    $("peel-value").textContent = state.peel === 1 ? "1 layer" : `${state.peel} layers`;
+    $("peel-value").textContent = counted(state.peel, "layer");
     $("colour").value = state.colour;
     for (const end of ["low", "high"]) {
       $(end).value = this.toSlider(state[end]);
@@ -187,9 +207,9 @@ export class Panel {
     const scale = scales[state.colour];
     $("legend").hidden = !scale;
     if (scale) {
+      $("scale-name").textContent = capital(scale.name);
       $("scale").style.background = scaleCss();
-      $("scale-low").textContent = scale.low.toFixed(2);
-      $("scale-high").textContent = scale.high.toFixed(2);
+      for (const end of ["low", "high"]) $(`scale-${end}`).textContent = String(Number(scale[end].toPrecision(3)));
     }
     document.body.classList.toggle("drag-cuts", state.dragCuts);
   }
@@ -199,7 +219,8 @@ export class Panel {
     if (state.cut === "none") return "";
     const { offset } = this.viewer.plane(), at = state.flip ? -offset : offset;
     if (state.cut === "view") return `at ${Number((at * mesh.scale).toPrecision(4))} from the middle`;
-    return `${state.cut} = ${Number((mesh.centre["xyz".indexOf(state.cut)] + at * mesh.scale).toPrecision(5))}`;
+    const place = mesh.centre["xyz".indexOf(state.cut)] + at * mesh.scale;
+    return `${state.cut} = ${Math.abs(place) < 1e-7 * mesh.scale ? 0 : Number(place.toPrecision(5))}`;  // single precision
   }
 
   showCounts({ cells, volumes }, nFaces) {
@@ -207,8 +228,8 @@ export class Panel {
     const n = cells.reduce((a, b) => a + b, 0), volume = volumes.reduce((a, b) => a + b, 0);
     $("shown-cells").textContent = number(n);
     $("shown-text").textContent =
-      `${number(n)} cells shown, ${percent(cells[3], n)} of them hexahedra (${percent(volumes[3], volume)} by volume), ` +
-      `${number(nFaces)} faces seen`;
+      `${counted(n, "cell")} shown, ${percent(cells[3], n)} of them hexahedra (${percent(volumes[3], volume)} by volume), ` +
+      `${counted(nFaces, "face")} seen`;
   }
 
   setLines(which, on) {
@@ -239,4 +260,4 @@ export class Panel {
   }
 }
 
-const capital = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("_", " ");
+const capital = (name) => (name ? name[0].toUpperCase() + name.slice(1).replaceAll("_", " ") : "(no name)");

@@ -18,15 +18,11 @@ inline MeshFormat read_mesh_format(const std::filesystem::path& path) {
   const std::string extension = lower_text(path.extension().string());
   for (const char* const surface : {".stl", ".obj", ".off", ".ply"})
     if (extension == surface) throw io_error(path.string() + ": is a surface, not a mesh " + known);
-  MeshFormat format{};
-  try {
-    format = mesh_format(path);
-  } catch (const io_error&) {
-    throw io_error(path.string() + ": unknown extension of a mesh " + known);
-  }
+  const std::optional<MeshFormat> format = known_mesh_format(path);
+  if (!format) throw io_error(path.string() + ": unknown extension of a mesh " + known);
   if (format == MeshFormat::inp || format == MeshFormat::polymesh || format == MeshFormat::html)
     throw io_error(path.string() + ": is written but not read " + known);
-  return format;
+  return *format;
 }
 
 }  // namespace detail
@@ -35,7 +31,7 @@ inline MeshFormat read_mesh_format(const std::filesystem::path& path) {
 /// liblzma.
 ///
 /// @param options  which array by cell holds the labels, for .vtu and .vtk only; whether there have to be volume cells.
-/// @param notes    what else was found, when not null.
+/// @param notes    what else was found, when not null; the arrays that `options` asks for, of .vtu, .vtk and .msh.
 /// @throws io_error, invalid_connectivity, invalid_coordinate as the four readers do; io_error for another extension, and
 ///         for an array wanted of a format that has none.
 inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
@@ -45,7 +41,8 @@ inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOpti
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
   if (!options.regions.empty())
     throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
-  return format == MeshFormat::msh ? read_msh(path, options.volume) : read_medit(path, options.volume);
+  if (format != MeshFormat::msh) return read_medit(path, options.volume);
+  return read_msh(path, options.volume, notes && options.arrays == FileArrays::read ? &notes->data : nullptr);
 }
 
 /// Reads a surface in any format there is: those of `read_surface_soup`, and the triangles and quadrilaterals of a

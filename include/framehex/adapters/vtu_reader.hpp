@@ -9,6 +9,8 @@
 #include <zlib.h>
 #include <pugixml.hpp>
 
+#include <set>
+
 namespace framehex {
 
 /// What the piece of a parallel file says beyond its mesh, by point and by cell of the volume; empty: nothing.
@@ -93,6 +95,7 @@ public:
     read_names(grid.child("FieldData"));
     lengths_ = lengths;
     arrays_ = arrays;
+    data_ = options.arrays == FileArrays::read ? &notes.data : nullptr;
     if (lengths_)
       lengths_->array =
           choose_length_array(name_, array_names(grid.child("Piece").child("PointData")), lengths_->wanted);
@@ -282,6 +285,31 @@ private:
     }
   }
 
+  /// Arrays of one number a row, of a type that is a number; a name that stands twice counts once.
+  template <class Add>
+  void read_data(pugi::xml_node data, std::size_t n_rows, Add&& add) const {
+    std::set<std::string> seen;
+    for (const pugi::xml_node array : data.children("DataArray")) {
+      const std::string_view type = array.attribute("type").value();
+      const std::string name = array.attribute("Name").value();
+      const bool is_number = type.starts_with("Float") || type.starts_with("Int") || type.starts_with("UInt");
+      if (!is_number || array.attribute("NumberOfComponents").as_ullong(1) > 1 || !seen.insert(name).second) continue;
+      std::vector<double> rows = values<double>(array);
+      if (rows.size() != n_rows)
+        fail("array \"" + Cursor::printable(name) + "\" holds another number of rows than told");
+      add(name, std::move(rows));
+    }
+  }
+
+  void read_data(pugi::xml_node piece, std::size_t n_points, const std::vector<std::int64_t>& types) const {
+    read_data(piece.child("PointData"), n_points, [&](const std::string& name, std::vector<double> rows) {
+      append_rows(data_->points, name, std::move(rows));
+    });
+    read_data(piece.child("CellData"), types.size(), [&](const std::string& name, const std::vector<double>& rows) {
+      if (name != label_array_) append_rows(data_->cells, name, of_volume(rows, types));
+    });
+  }
+
   void read_lengths(pugi::xml_node piece, std::size_t n_points) {
     const pugi::xml_node array =
         piece.child("PointData").find_child_by_attribute("DataArray", "Name", lengths_->array.c_str());
@@ -313,6 +341,7 @@ private:
       v += v < std::int64_t{no_index} ? first : 0;
     }
     if (arrays_) read_arrays(piece, n_points, types);
+    if (data_) read_data(piece, n_points, types);
     const std::vector<std::int64_t> labels = read_labels(piece, n_cells);
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < n_cells; ++c) {
@@ -336,6 +365,7 @@ private:
   MeshBuilder builder_;
   PointLengths* lengths_ = nullptr;
   VtuPieceArrays* arrays_ = nullptr;
+  MeshData* data_ = nullptr;
 };
 
 }  // namespace detail

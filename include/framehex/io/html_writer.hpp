@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/bounding_box.hpp"
 #include "framehex/geometry/quality.hpp"
+#include "framehex/geometry/validity.hpp"
 #include "framehex/io/data_array.hpp"
 #include "framehex/io/detail/viewer_page.hpp"
 #include "framehex/io/output_file.hpp"
@@ -90,9 +91,10 @@ class HtmlData {
 public:
   HtmlData(OutputFile& file, const MixedMesh& mesh, const MeshData& data) : file_(file), mesh_(mesh), data_(data) {
     if (mesh.points.empty()) return;
+    check_coordinates();
     const Eigen::AlignedBox3d box = bounding_box(mesh.points);
     centre_ = box.center();
-    const double half = box.diagonal().norm() / 2;
+    const double half = box.diagonal().stableNorm() / 2;
     if (half > 0) scale_ = half;
   }
 
@@ -118,6 +120,16 @@ public:
   }
 
 private:
+  /// Volumes of cells are products of three lengths.
+  void check_coordinates() const {
+    constexpr double most = 1e100;
+    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
+      if (!(mesh_.points[v].cwiseAbs().maxCoeff() <= most))
+        throw invalid_coordinate("vertex " + std::to_string(v) + " has a coordinate that is not finite or beyond " +
+                                     number(most) + ", where volumes are out of range",
+                                 Entity::vertex, {v});
+  }
+
   void write_info(const std::string& title) {
     std::string json = "{\"title\":" + json_string(title) + ",\"scale\":" + number(scale_) + ",\"centre\":[" +
                        number(centre_.x()) + "," + number(centre_.y()) + "," + number(centre_.z()) + "],\"names\":{";
@@ -160,13 +172,17 @@ private:
 
   void write_quality() {
     Base64Element element(file_, "quality");
+    std::vector<std::uint32_t> invalid;
     std::array<Vector3, 8> corners;
     for (std::size_t c = 0; c < mesh_.n_cells(); ++c) {
       const auto row = mesh_.cells[c];
       for (std::size_t i = 0; i < row.size(); ++i) corners[i] = mesh_.points[row[i]];
-      element.add(static_cast<float>(scaled_jacobian(mesh_.kinds[c], std::span(corners).first(row.size()))));
+      const auto points = std::span<const Vector3>(corners).first(row.size());
+      element.add(static_cast<float>(scaled_jacobian(mesh_.kinds[c], points)));
+      if (!is_valid(mesh_.kinds[c], points)) invalid.push_back(static_cast<std::uint32_t>(c));
     }
     element.end();
+    write_each("invalid", invalid, [](std::uint32_t cell) { return cell; });
   }
 
   void write_curves() {
@@ -201,7 +217,8 @@ private:
 /// @param path  the file; appears whole or not at all (`OutputFile`). Its stem is the page's title.
 /// @param mesh  cells, regions with their names, and labelled edges as curves; labelled faces are not shown.
 /// @param data  arrays of one number by cell or point become colours; `lines` are drawn as singular lines.
-/// @throws invalid_option  for an array of another length; io_error naming the file.
+/// @throws invalid_option  for an array of another length; invalid_coordinate with the first vertex that is not finite or
+///         beyond 1e100; io_error naming the file.
 /// @par Complexity   O(n); 0.6 MB and some 70 bytes a cell.
 /// @par Determinism  Same mesh, same bytes. Coordinates and values are rounded to single precision, relative to the box.
 inline void write_html(const std::filesystem::path& path, const MixedMesh& mesh, const MeshData& data = {}) {

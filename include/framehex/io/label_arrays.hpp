@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/io/data_array.hpp"
 #include "framehex/io/input_file.hpp"
+#include "framehex/io/vtk_cells.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -13,16 +16,21 @@ namespace framehex {
 /// Whether a file has to hold cells of a volume.
 enum class Volume { required, optional };
 
+/// Whether the arrays of a file are wanted, beside those that hold labels.
+enum class FileArrays { skip, read };
+
 /// What to read of a mesh's file.
 struct MeshReadOptions {
   Volume volume = Volume::required;
   std::string regions = {};  ///< array by cell that holds the labels; empty: one of the usual names
+  FileArrays arrays = FileArrays::skip;
 };
 
 /// What a reader of a mesh found beside the mesh.
 struct MeshReadNotes {
   std::string label_array = {};                 ///< array by cell that the labels come from; empty: none
   std::vector<std::string> unused_arrays = {};  ///< further arrays by cell of one integer a cell
+  MeshData data = {};  ///< when asked for: arrays of one number by point, and by cell of the volume
 };
 
 /// Lengths at the points of a mesh, as a file tells them.
@@ -40,6 +48,27 @@ struct CellArrayName {
   bool is_integer = false;
   std::size_t n_components = 1;
 };
+
+/// Of values by cell of a file, those of the cells of a volume, which are what a mesh's cells are.
+///
+/// @param types  VTK's, of the file's cells.
+inline std::vector<double> of_volume(const std::vector<double>& values, const std::vector<std::int64_t>& types) {
+  std::vector<double> kept;
+  for (std::size_t c = 0; c < types.size(); ++c)
+    if (types[c] >= vtk::tetrahedron && types[c] <= vtk::pyramid) kept.push_back(values[c]);
+  return kept;
+}
+
+/// Adds rows to the array of a name, or begins one.
+inline void append_rows(std::vector<DataArray>& arrays, const std::string& name, std::vector<double> rows) {
+  auto array = std::find_if(arrays.begin(), arrays.end(), [&](const DataArray& a) { return a.name == name; });
+  if (array == arrays.end()) {
+    arrays.push_back({name, std::move(rows)});
+    return;
+  }
+  auto& values = std::get<std::vector<double>>(array->values);
+  values.insert(values.end(), rows.begin(), rows.end());
+}
 
 /// The array that holds the labels: the one asked for, or the first of the usual names (in any case) that is there.
 ///

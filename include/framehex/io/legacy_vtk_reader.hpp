@@ -16,6 +16,7 @@ public:
   LegacyVtkReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 0) {}
 
   MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes) {
+    wants_points_ = options.arrays == FileArrays::read;
     read_header();
     while (read_section(in_.word())) {
     }
@@ -27,6 +28,11 @@ public:
     std::vector<std::int64_t> labels(types_.size(), 0);
     if (chosen < arrays_.size()) labels = labels_of(in_.name(), names[chosen].name, arrays_[chosen].values);
     for (std::size_t c = 0; c < types_.size(); ++c) builder_.add_vtk(types_[c], rows_[c], labels[c], c);
+    if (options.arrays == FileArrays::read) {
+      for (std::size_t i = 0; i < arrays_.size(); ++i)
+        if (i != chosen) notes.data.cells.push_back({names[i].name, of_volume(arrays_[i].values, types_)});
+      notes.data.points = std::move(point_arrays_);
+    }
     return builder_.finish(options.volume);
   }
 
@@ -140,11 +146,16 @@ private:
   }
 
   void read_array(std::string_view name, std::string_view type, std::size_t n_components, std::size_t n_rows) {
-    const bool is_label = by_cell_ && n_rows_ && n_components == 1 && type != "string" && type != "bit";
-    if (!is_label) return pass_values(checked_product(n_rows, n_components), type);
-    if (n_rows != types_.size())
-      in_.fail("array \"" + Cursor::printable(name) + "\" is of " + std::to_string(n_rows) + " cells of " +
-               std::to_string(types_.size()));
+    const bool is_number = n_rows_ && n_components == 1 && type != "string" && type != "bit";
+    if (!is_number || !(by_cell_ || wants_points_)) return pass_values(checked_product(n_rows, n_components), type);
+    const std::size_t n = by_cell_ ? types_.size() : builder_.n_points();
+    if (n_rows != n)
+      in_.fail("array \"" + Cursor::printable(name) + "\" is of " + std::to_string(n_rows) +
+               (by_cell_ ? " cells of " : " points of ") + std::to_string(n));
+    if (!by_cell_) {
+      point_arrays_.push_back({decoded(name), typed_values<double>(n_rows, type)});
+      return;
+    }
     CellArray& array = arrays_.emplace_back();
     array.name = {decoded(name), type != "float" && type != "double", 1};
     array.values = typed_values<double>(n_rows, type);
@@ -307,7 +318,9 @@ private:
   std::vector<std::int64_t> types_;
   std::optional<std::size_t> n_rows_;  // of CELL_DATA or POINT_DATA, within them
   bool by_cell_ = false;
-  std::vector<CellArray> arrays_;  // by cell, of one component
+  bool wants_points_ = false;
+  std::vector<CellArray> arrays_;        // by cell, of one component
+  std::vector<DataArray> point_arrays_;  // the same by point, where they are wanted
 };
 
 }  // namespace detail

@@ -10,6 +10,8 @@
 #include "framehex/io/polymesh_writer.hpp"
 #include "framehex/io/vtu_writer.hpp"
 
+#include <optional>
+
 namespace framehex {
 
 /// Formats of a volume mesh, told by a file's extension or, for OpenFOAM, by a folder's name.
@@ -27,9 +29,8 @@ struct MeshWriteOptions {
 };
 
 /// @return the format that a file's extension (.vtu .vtk .msh .mesh .meshb .inp .html, in any case) or the name of a folder
-///         (polyMesh) stands for.
-/// @throws io_error  for any other.
-inline MeshFormat mesh_format(const std::filesystem::path& path) {
+///         (polyMesh) stands for; none for any other.
+inline std::optional<MeshFormat> known_mesh_format(const std::filesystem::path& path) {
   const std::string extension = detail::lower_text(path.extension().string());
   if (extension == ".vtu") return MeshFormat::vtu;
   if (extension == ".vtk") return MeshFormat::vtk;
@@ -39,6 +40,12 @@ inline MeshFormat mesh_format(const std::filesystem::path& path) {
   if (extension == ".inp") return MeshFormat::inp;
   if (extension == ".html") return MeshFormat::html;
   if (path.filename() == "polyMesh") return MeshFormat::polymesh;
+  return std::nullopt;
+}
+
+/// `known_mesh_format`. @throws io_error  where there is none.
+inline MeshFormat mesh_format(const std::filesystem::path& path) {
+  if (const std::optional<MeshFormat> format = known_mesh_format(path)) return *format;
   throw io_error(path.string() +
                  ": unknown extension of a mesh (known: .vtu .vtk .msh .mesh .meshb .inp .html, polyMesh)");
 }

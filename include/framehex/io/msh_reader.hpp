@@ -4,6 +4,7 @@
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/mesh_builder.hpp"
 
+#include <limits>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -28,9 +29,10 @@ class MshReader {
 public:
   MshReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
 
-  /// @param arrays  receives what it has when not null.
-  MixedMesh read(Volume volume, MshPieceArrays* arrays = nullptr) {
+  /// @param arrays  receives what it has when not null. @param data  the same, of values by node and element.
+  MixedMesh read(Volume volume, MshPieceArrays* arrays = nullptr, MeshData* data = nullptr) {
     arrays_ = arrays;
+    wants_values_ = data != nullptr;
     if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
     read_format();
     for (std::string_view section = next_section(); !section.empty(); section = next_section()) {
@@ -46,14 +48,24 @@ public:
         read_entities_4(section);
       else if (section == "$GhostElements" && version_ == 4 && arrays_)
         read_ghosts();
+      else if (wants_values_ && (section == "$NodeData" || section == "$ElementData"))
+        read_values(section);
       else
         skip_section(section);
     }
     name_labels();
+    if (data) place_values(*data);
     return builder_.finish(volume);
   }
 
 private:
+  /// Of one section: numbers of nodes or elements, and what belongs to them.
+  struct Values {
+    std::string name;
+    bool by_node;
+    std::vector<std::pair<std::int64_t, double>> rows;
+  };
+
   struct ElementType {
     int dimension;
     CellKind kind;
@@ -176,6 +188,8 @@ private:
     }
     builder_.add(type.dimension, type.kind, tags, label, static_cast<std::size_t>(number));
     if (arrays_ && type.dimension == 3) arrays_->cell_numbers.push_back(number);
+    if (wants_values_ && type.dimension == 3)
+      cell_of_element_.try_emplace(number, static_cast<std::int64_t>(cell_of_element_.size()));
   }
 
   void read_nodes_2(std::string_view section) {
@@ -330,9 +344,58 @@ private:
     end_section("$EndElements");
   }
 
+  /// Strings (the first is the name), reals and integers (step, components, rows), all in text; then the rows.
+  void read_values(std::string_view section) {
+    Values values{{}, section == "$NodeData", {}};
+    const std::size_t n_names = in_.count("the number of strings", 1);
+    in_.line();
+    for (std::size_t i = 0; i < n_names; ++i) {
+      const std::string_view line = in_.line();
+      const std::size_t begin = line.find('"'), end = line.rfind('"');
+      if (i == 0) values.name = begin == line.npos || end == begin ? line : line.substr(begin + 1, end - begin - 1);
+    }
+    const std::size_t n_reals = in_.count("the number of reals", 1);
+    for (std::size_t i = 0; i < n_reals; ++i) in_.number<double>("a real");
+    std::vector<std::int64_t> integers(in_.count("the number of integers", 1));
+    for (std::int64_t& x : integers) x = in_.number<std::int64_t>("an integer");
+    const auto most = static_cast<std::int64_t>(in_.remaining());
+    if (integers.size() < 3 || integers[1] < 1 || integers[1] > most || integers[2] < 0 || integers[2] > most)
+      in_.fail("components and rows of values should stand here");
+    in_.line();
+    for (std::int64_t row = 0; row < integers[2]; ++row) {
+      const std::int64_t number = get_int("a number of a node or element");
+      double value = 0;
+      for (std::int64_t k = 0; k < integers[1]; ++k) value = get<double>("a value");
+      values.rows.emplace_back(number, value);
+    }
+    if (integers[1] == 1) values_.push_back(std::move(values));
+    end_section("$End" + std::string(section.substr(1)));
+  }
+
+  /// By point and by cell of the volume; not a number where the file has no value. Of steps of one name the last stays.
+  void place_values(MeshData& data) const {
+    for (const Values& values : values_) {
+      const std::size_t n = values.by_node ? builder_.n_points() : cell_of_element_.size();
+      std::vector<double> placed(n, std::numeric_limits<double>::quiet_NaN());
+      const auto& places = values.by_node ? index_of_tag_ : cell_of_element_;
+      bool any = false;
+      for (const auto& [number, value] : values.rows)
+        if (const auto found = places.find(number); found != places.end()) {
+          placed[static_cast<std::size_t>(found->second)] = value;
+          any = true;
+        }
+      std::vector<DataArray>& arrays = values.by_node ? data.points : data.cells;
+      std::erase_if(arrays, [&](const DataArray& array) { return array.name == values.name; });
+      if (any) arrays.push_back({values.name, std::move(placed)});
+    }
+  }
+
   Cursor in_;
   MeshBuilder builder_;
   MshPieceArrays* arrays_ = nullptr;
+  bool wants_values_ = false;
+  std::vector<Values> values_;
+  std::unordered_map<std::int64_t, std::int64_t> cell_of_element_;
   int version_ = 0;
   bool binary_ = false;
   std::endian order_ = std::endian::native;
@@ -348,14 +411,16 @@ private:
 
 /// Reads a mesh in Gmsh's format, version 2 or 4.1, text or binary.
 ///
+/// @param data  receives values of one component by node and by element of the volume when not null.
 /// @return cells, faces and edges with the number of their first physical group less one as labels (by rank where one
 ///         has none); names of groups. Entities that have a first group in common but not all have labels of their own.
 /// @throws io_error naming file and line; invalid_connectivity (a node that does not exist) and invalid_coordinate
 ///         (NaN, infinity), both naming the file as well. Elements are named by their numbers in the file.
 /// @par Complexity   O(n).
-inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Volume::required) {
+inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Volume::required,
+                          MeshData* data = nullptr) {
   const std::string bytes = read_file(path);
-  return detail::MshReader(path.string(), bytes).read(volume);
+  return detail::MshReader(path.string(), bytes).read(volume, nullptr, data);
 }
 
 /// Reads the file of a partition, which may hold no cell.

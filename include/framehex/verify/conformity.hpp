@@ -89,6 +89,17 @@ inline void find_open_interfaces(const MixedMesh& mesh, const std::vector<CellFa
       for (std::size_t k = 0; k < 4; ++k) faces_at[triple(v[k], v[(k + 1) % 4], v[(k + 2) % 4])].push_back(i);
   }
   std::set<std::size_t> quads, triangles, three;
+  // A quadrilateral may be bent so much that one of two triangles that cover it is far from facing its mean normal.
+  const auto covers_half = [&](std::size_t quad, std::size_t triangle) {
+    const auto &v = once[quad].vertices, &t = once[triangle].vertices;
+    std::size_t k = 0;
+    while (k < 3 && std::find(t.begin(), t.begin() + 3, v[k]) != t.begin() + 3) ++k;  // v[k] is not the triangle's
+    const auto at = [&](std::size_t i) -> const Vector3& { return mesh.points[v[(k + i) % 4]]; };
+    const auto is_triangle = [&](std::size_t face) { return once[face].size() == 3; };
+    const auto other = faces_at.find(triple(v[(k + 3) % 4], v[k], v[(k + 1) % 4]));
+    return (at(2) - at(1)).cross(at(3) - at(1)).dot(unit_normal(mesh, once[triangle])) < 0 && other != faces_at.end() &&
+           std::any_of(other->second.begin(), other->second.end(), is_triangle);
+  };
   for (const auto& [key, list] : faces_at)
     for (std::size_t i = 0; i < list.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
@@ -96,8 +107,9 @@ inline void find_open_interfaces(const MixedMesh& mesh, const std::vector<CellFa
         const double dot = unit_normal(mesh, once[list[i]]).dot(unit_normal(mesh, once[list[j]]));
         // Two faces of one boundary may share three vertices too, at a vertex of valence two: they do not face.
         if (n_quads == 2 && dot < -0.9) three.insert({list[i], list[j]});
-        if (n_quads != 1 || dot >= -0.5) continue;
+        if (n_quads != 1) continue;
         const bool i_is_quad = once[list[i]].size() == 4;
+        if (dot >= -0.5 && !covers_half(list[i_is_quad ? i : j], list[i_is_quad ? j : i])) continue;
         quads.insert(list[i_is_quad ? i : j]);
         triangles.insert(list[i_is_quad ? j : i]);
       }
