@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/pipeline/detail/quad_attempts.hpp"
+#include "framehex/pipeline/detail/mesh_quads.hpp"
 #include "framehex/surface/outline_triangulation.hpp"
 
 namespace framehex {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framehex/mesh/validation.hpp"
-#include "framehex/pipeline/detail/quad_attempts.hpp"
+#include "framehex/pipeline/detail/mesh_quads.hpp"
 
 namespace framehex {
 

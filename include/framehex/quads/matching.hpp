@@ -27,6 +27,25 @@ concept Matcher = requires(const M& matcher, std::size_t n, std::span<const Matc
   { matcher(n, edges) } -> std::same_as<std::vector<index_t>>;
 };
 
+/// Any matcher, by reference: what takes it is compiled once for all of them. It must outlive the reference.
+class MatcherRef {
+public:
+  template <Matcher M>
+  requires(!std::same_as<M, MatcherRef>)
+      MatcherRef(const M& matcher)  // NOLINT: whoever takes any matcher is meant to be called with that
+      : matcher_(&matcher), call_([](const void* m, std::size_t n, std::span<const MatchingEdge> edges) {
+          return (*static_cast<const M*>(m))(n, edges);
+        }) {}
+
+  std::vector<index_t> operator()(std::size_t n, std::span<const MatchingEdge> edges) const {
+    return call_(matcher_, n, edges);
+  }
+
+private:
+  const void* matcher_;
+  std::vector<index_t> (*call_)(const void* matcher, std::size_t n, std::span<const MatchingEdge> edges);
+};
+
 namespace detail {
 
 /// Positions of edges, the cheapest first, equal ones in their order.

@@ -14,10 +14,9 @@
 namespace framehex::detail {
 
 /// The job of `mesh_planar` and `mesh_shell`, stage by stage; each method leaves what the next ones read.
-template <Matcher Match, SizeField Size>
 class QuadMesher {
 public:
-  QuadMesher(const Match& matcher, const Size& size, QuadMeshingOptions options)
+  QuadMesher(const MatcherRef& matcher, const SizeFieldRef& size, QuadMeshingOptions options)
       : matcher_(matcher), size_(size), options_(std::move(options)) {
     options_.curves.added = {};
     options_.surface.complete = {};
@@ -168,7 +167,7 @@ private:
       if (curves.status == Status::cancelled) return false;
     }
     result_.statistics.lengthened_curves = longer;
-    LimitedSize<Size> size = size_;
+    LimitedSize<SizeFieldRef> size = size_;
     if (!inside_.empty()) size.add(inside_);
     const auto insert = [&](auto order) {
       return insert_surface_points(surface, result_.cross_field.frames, result_.cross_field.smoothness, curves, size,
@@ -316,8 +315,8 @@ private:
                           Entity::vertex, {near[0], near[1], near[2]});
   }
 
-  const Match& matcher_;
-  LimitedSize<Size> size_;
+  const MatcherRef& matcher_;
+  LimitedSize<SizeFieldRef> size_;
   QuadMeshingOptions options_;
   std::vector<SizeLimit> inside_;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/pipeline/detail/mesh_quads.hpp"
 #include "framehex/pipeline/detail/quad_mesher.hpp"
 #include "framehex/verify/quad_quality.hpp"
 
@@ -54,12 +55,10 @@ private:
   std::vector<index_t> poor_cells_;
 };
 
-/// Meshes a surface; where a small mesh has poor cells, again with other points inside its patches, of which there are
-/// many that are as good. The best mesh is kept.
-template <Matcher Match, SizeField Size>
-QuadMeshing mesh_quads(const Surface& input, const Size& size, const Match& matcher, QuadMeshingOptions options) {
+FRAMEHEX_INLINE QuadMeshing mesh_quads(const Surface& input, const SizeFieldRef& size, const MatcherRef& matcher,
+                                       QuadMeshingOptions options) {
   constexpr std::size_t most_cells = 500;
-  QuadMeshing best = QuadMesher<Match, Size>(matcher, size, options).run(input);
+  QuadMeshing best = QuadMesher(matcher, size, options).run(input);
   const QuadMeshingStatistics& s = best.statistics;
   if (best.status == Status::cancelled || best.mesh.cells.size() > most_cells || best.mesh.n_triangles() > 0 ||
       s.n_widened_edges > 0 || options.improvement.scope != QuadImprovementScope::everywhere)
@@ -81,7 +80,7 @@ QuadMeshing mesh_quads(const Surface& input, const Size& size, const Match& matc
       for (const Vector3& p : places) inside.push_back({p, factor * size(p)});
     QuadMeshing next;
     try {
-      next = QuadMesher<Match, Size>(matcher, size, options).run(input, inside);
+      next = QuadMesher(matcher, size, options).run(input, inside);
     } catch (const error&) {
       continue;  // there is a mesh already
     }
