@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "framehex/assembly/assemble.hpp"
+#include "framehex/assembly/detail/cavity.hpp"
 #include "framehex/assembly/detail/cell_complex.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/recombination/potential_hex_finder.hpp"
