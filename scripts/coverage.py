@@ -50,7 +50,7 @@ def never_compiled(text, counted):
     lines = text.splitlines()
     for name, first, length in functions(text):
         head_and_body = range(first, first + length)
-        if any(n in counted for n in head_and_body) or "constexpr" in lines[first - 1]:
+        if name == "requires" or any(n in counted for n in head_and_body) or "constexpr" in lines[first - 1]:
             continue
         opening = next(n for n in head_and_body if lines[n - 1].rstrip().endswith("{"))
         yield name, first, [n for n in range(opening + 1, first + length) if is_statement(lines[n - 1])]

@@ -241,11 +241,14 @@ template <TetMesh Mesh, Executor E = SerialExecutor>
 FrameField<Mesh> compute_frame_field(const Mesh& mesh, const MeshFieldOptions& options = {}, const E& executor = {},
                                      FieldReport* report = nullptr) {
   check_options(options);
-  FrameField<Mesh> result(mesh, validated_adjacency(mesh));
+  // The host is read here and no more: what follows has what was checked.
+  detail::CheckedTets read = detail::checked_tets(mesh);
+  FrameField<Mesh> result(std::move(read.adjacency), std::move(read.points));
   if (!options.regions.empty() && options.regions.size() != result.adjacency().tets.size())
     throw invalid_option("there are " + std::to_string(options.regions.size()) + " region labels for " +
                          std::to_string(result.adjacency().tets.size()) + " tetrahedra");
-  const BoundarySurface boundary = extract_boundary(mesh, result.adjacency(), options.regions);
+  const BoundarySurface boundary =
+      extract_boundary(TetView{result.points(), result.adjacency().tets}, result.adjacency(), options.regions);
   FieldOptions field = options.field;
   field.vertex_of = boundary.vertex_of;
   Surface surface;

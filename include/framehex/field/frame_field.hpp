@@ -34,8 +34,11 @@ public:
   explicit FrameField(const Mesh& mesh) : FrameField(mesh, make_adjacency(mesh)) {}
 
   /// @param adjacency  of `mesh`.
-  FrameField(const Mesh& mesh, TetAdjacency adjacency)
-      : locator_(std::make_shared<const TetLocator>(std::move(adjacency), positions(mesh))),
+  FrameField(const Mesh& mesh, TetAdjacency adjacency) : FrameField(std::move(adjacency), positions(mesh)) {}
+
+  /// @param points  of the mesh whose adjacency it is, one a vertex.
+  FrameField(TetAdjacency adjacency, std::vector<Vector3> points)
+      : locator_(std::make_shared<const TetLocator>(std::move(adjacency), std::move(points))),
         frames_(n_vertices(), Quaternion::Identity()),
         smoothness_(n_vertices(), 1.0),
         constraints_(n_vertices(), FrameConstraint::none),

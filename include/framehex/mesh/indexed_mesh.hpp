@@ -19,6 +19,12 @@ struct IndexedTriangleMesh {
   std::vector<std::array<index_t, 3>> triangles;
 };
 
+/// Tetrahedra that lie in somebody's arrays: a TetMesh that owns nothing.
+struct TetView {
+  std::span<const Vector3> points;
+  std::span<const std::array<index_t, 4>> tets;
+};
+
 /// A surface that lies in somebody's arrays: a TriangleMesh that owns nothing.
 struct TriangleView {
   std::span<const Vector3> points;
@@ -43,15 +49,13 @@ struct indexed_traits {
 
 }  // namespace detail
 
-template <>
-struct mesh_traits<IndexedTetMesh> : detail::indexed_traits<IndexedTetMesh> {
-  static auto cells(const IndexedTetMesh& mesh) {
-    return std::views::iota(index_t{0}, static_cast<index_t>(mesh.tets.size()));
-  }
-  static std::array<index_t, 4> cell_vertices(const IndexedTetMesh& mesh, index_t cell) { return mesh.tets[cell]; }
-};
-
 namespace detail {
+
+template <class M>
+struct indexed_tet_traits : indexed_traits<M> {
+  static auto cells(const M& mesh) { return std::views::iota(index_t{0}, static_cast<index_t>(mesh.tets.size())); }
+  static std::array<index_t, 4> cell_vertices(const M& mesh, index_t cell) { return mesh.tets[cell]; }
+};
 
 template <class M>
 struct indexed_triangle_traits : indexed_traits<M> {
@@ -62,11 +66,16 @@ struct indexed_triangle_traits : indexed_traits<M> {
 }  // namespace detail
 
 template <>
+struct mesh_traits<IndexedTetMesh> : detail::indexed_tet_traits<IndexedTetMesh> {};
+template <>
+struct mesh_traits<TetView> : detail::indexed_tet_traits<TetView> {};
+template <>
 struct mesh_traits<IndexedTriangleMesh> : detail::indexed_triangle_traits<IndexedTriangleMesh> {};
 template <>
 struct mesh_traits<TriangleView> : detail::indexed_triangle_traits<TriangleView> {};
 
 static_assert(TetMesh<IndexedTetMesh>);
+static_assert(TetMesh<TetView>);
 static_assert(TriangleMesh<IndexedTriangleMesh>);
 static_assert(TriangleMesh<TriangleView>);
 

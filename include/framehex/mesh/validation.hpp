@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/mesh/adjacency.hpp"
+#include "framehex/mesh/indexed_mesh.hpp"
 
 #include <algorithm>
 #include <array>
@@ -65,9 +66,9 @@ void check_coordinates(const M& mesh) {
                              number_text(least_extent) + " products of coordinates vanish, so take a smaller unit");
 }
 
+/// @param n  vertices that there are.
 template <std::size_t Corners, class M>
-std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, Entity entity) {
-  const std::size_t n = n_vertices(mesh);
+std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, std::size_t n, Entity entity) {
   const char* const name = entity == Entity::triangle ? "triangle " : "cell ";
   const auto n_cells = static_cast<std::size_t>(std::ranges::distance(mesh_traits<M>::cells(mesh)));
   check_count(n_cells, Corners == 3 ? TriangleAdjacency::most_triangles : no_index, "cells");
@@ -93,15 +94,21 @@ std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, En
   return cells;
 }
 
-}  // namespace detail
+/// A host's mesh as it was when it was checked.
+struct CheckedTets {
+  std::vector<Vector3> points;
+  TetAdjacency adjacency;
+};
 
-/// `validate` and `make_adjacency` at the price of one.
+/// Reads points and tetrahedra once each: what is used is what was checked, whatever the host answers the next time.
 template <TetMesh M>
-TetAdjacency validated_adjacency(const M& mesh) {
-  detail::check_numbers(mesh);
-  detail::check_coordinates(mesh);
-  const auto tets = detail::checked_connectivity<4>(mesh, Entity::cell);
-  const std::vector<Vector3> p = positions(mesh);
+CheckedTets checked_tets(const M& mesh) {
+  check_numbers(mesh);
+  IndexedTetMesh read{positions(mesh), {}};
+  check_coordinates(read);
+  read.tets = checked_connectivity<4>(mesh, read.points.size(), Entity::cell);
+  const auto& p = read.points;
+  const auto& tets = read.tets;
   for (std::size_t cell = 0; cell < tets.size(); ++cell) {
     const auto& t = tets[cell];
     const int sign = orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
@@ -110,7 +117,7 @@ TetAdjacency validated_adjacency(const M& mesh) {
                           Entity::cell, {cell});
   }
   // Two tetrahedra on the same side of a facet overlap: a duplicate is the simplest case.
-  TetAdjacency adjacency = make_adjacency(mesh);
+  TetAdjacency adjacency = make_adjacency(read);
   for (std::size_t cell = 0; cell < tets.size(); ++cell)
     for (std::size_t i = 0; i < 4; ++i) {
       const index_t other = adjacency.neighbours[cell][i];
@@ -127,7 +134,15 @@ TetAdjacency validated_adjacency(const M& mesh) {
             "cells " + std::to_string(cell) + " and " + std::to_string(other) + " lie on the same side of a facet",
             Entity::cell, {cell, other});
     }
-  return adjacency;
+  return {std::move(read.points), std::move(adjacency)};
+}
+
+}  // namespace detail
+
+/// `validate` and `make_adjacency` at the price of one.
+template <TetMesh M>
+TetAdjacency validated_adjacency(const M& mesh) {
+  return detail::checked_tets(mesh).adjacency;
 }
 
 /// Checks once, before any work, all that the stages assume of a tetrahedral mesh: that `index()` counts the vertices
@@ -188,7 +203,7 @@ template <TriangleMesh M>
 void validate_surface(const M& mesh) {
   detail::check_numbers(mesh);
   detail::check_coordinates(mesh);
-  if (detail::checked_connectivity<3>(mesh, Entity::triangle).empty())
+  if (detail::checked_connectivity<3>(mesh, n_vertices(mesh), Entity::triangle).empty())
     throw open_surface("the surface has no triangles");
 }
 

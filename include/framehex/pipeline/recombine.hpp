@@ -90,8 +90,11 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
     result.mesh = {};
     return std::move(result);
   };
-  const TetAdjacency validated = options.adjacency ? TetAdjacency{} : validated_adjacency(mesh);
-  const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : validated;
+  // The host is read here and no more: what follows has what was checked.
+  const detail::CheckedTets read =
+      options.adjacency ? detail::CheckedTets{positions(mesh), {}} : detail::checked_tets(mesh);
+  const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : read.adjacency;
+  const TetView tets{read.points, adjacency.tets};
   check_regions(adjacency, options.regions);
   check_labelled_edges(adjacency, options.edges);
   std::vector<std::array<index_t, 4>> patches;
@@ -106,7 +109,7 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   options.assembly.edges = options.edges;
   options.finder.observer = options.selection.observer = options.assembly.observer = options.observer;
 
-  PotentialHexahedra candidates = find_potential_hexahedra(mesh, options.finder, executor);
+  PotentialHexahedra candidates = find_potential_hexahedra(tets, options.finder, executor);
   if (candidates.status == Status::cancelled) return cancelled();
   result.n_candidates = candidates.size();
   watch.lap(result.seconds.search);
@@ -122,7 +125,7 @@ Recombination recombine(const M& mesh, RecombineOptions options = {}, const E& e
   std::iota(all.begin(), all.end(), index_t{0});
 
   const auto assemble_chosen = [&](std::span<const index_t> selected, const AssemblyOptions& how) {
-    return assemble(mesh, adjacency, candidates, selected, how);
+    return assemble(tets, adjacency, candidates, selected, how);
   };
   auto [assembly, n_given_up] =
       detail::assemble_soundly(assemble_chosen, adjacency, candidates, std::move(all), options.assembly);

@@ -32,10 +32,12 @@ Recombination recombine_by_parts(const M& mesh, const RecombineOptions& options 
   if (!options.faces.empty() || !options.edges.empty() || !options.finder.free_tets.empty() ||
       options.assembly.interfaces != InterfaceMode::conforming)
     throw invalid_option("parts have no labelled faces or edges, take all tetrahedra, and close all interfaces");
-  const TetAdjacency validated = options.adjacency ? TetAdjacency{} : validated_adjacency(mesh);
-  const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : validated;
+  // The host is read here and no more: what follows has what was checked.
+  const detail::CheckedTets read =
+      options.adjacency ? detail::CheckedTets{positions(mesh), {}} : detail::checked_tets(mesh);
+  const TetAdjacency& adjacency = options.adjacency ? *options.adjacency : read.adjacency;
   check_regions(adjacency, options.regions);
-  const std::vector<Vector3> points = positions(mesh);
+  const std::vector<Vector3>& points = read.points;
   std::vector<global_t> vertices(points.size()), cells(adjacency.tets.size());
   std::iota(vertices.begin(), vertices.end(), global_t{0});
   std::iota(cells.begin(), cells.end(), global_t{0});

@@ -46,13 +46,12 @@ public:
   template <TetMesh Mesh>
   FinderInput(const Mesh& mesh, const FinderOptions& options)
       : options_(options),
-        owned_(own_adjacency(mesh, options)),
+        owned_(read(mesh, options, points_)),
         adjacency_(options.adjacency != nullptr ? options.adjacency : owned_.get()),
-        points_(positions(mesh)),
         links_(*adjacency_, most_corners_between + 1 + std::min(options.max_interior_vertices, points_.size())),
         features_(points_.size(), options.feature_edges) {
     const std::size_t n = adjacency_->tets.size();
-    if (n_vertices(mesh) != adjacency_->n_vertices()) throw invalid_option("the adjacency is that of another mesh");
+    if (points_.size() != adjacency_->n_vertices()) throw invalid_option("the adjacency is that of another mesh");
     check_size("regions", options.regions.size(), n);
     check_size("facet_patches", options.facet_patches.size(), n);
     check_size("free_tets", options.free_tets.size(), n);
@@ -81,15 +80,19 @@ private:
   /// the quadrilateral: four of a hexahedron, fewer of the others.
   static constexpr std::size_t most_corners_between = 4;
 
-  /// Checks the input; nothing when the options bring an adjacency.
+  /// Checks the input, and gives its points as they were then. @return nothing when the options bring an adjacency.
   template <TetMesh Mesh>
-  static std::unique_ptr<TetAdjacency> own_adjacency(const Mesh& mesh, const FinderOptions& options) {
+  static std::unique_ptr<TetAdjacency> read(const Mesh& mesh, const FinderOptions& options,
+                                            std::vector<Vector3>& points) {
     check_options(options);
-    const bool checks = options.input_check == InputCheck::validate;
-    if (options.adjacency == nullptr)
-      return std::make_unique<TetAdjacency>(checks ? validated_adjacency(mesh) : make_adjacency(mesh));
-    if (checks) validate(mesh);
-    return nullptr;
+    const bool is_given = options.adjacency != nullptr;
+    if (options.input_check == InputCheck::validate) {
+      CheckedTets checked = checked_tets(mesh);
+      points = std::move(checked.points);
+      return is_given ? nullptr : std::make_unique<TetAdjacency>(std::move(checked.adjacency));
+    }
+    points = positions(mesh);
+    return is_given ? nullptr : std::make_unique<TetAdjacency>(make_adjacency(mesh));
   }
 
   static void check_size(const char* name, std::size_t size, std::size_t n_tets) {
@@ -99,9 +102,9 @@ private:
   }
 
   FinderOptions options_;
+  std::vector<Vector3> points_;
   std::unique_ptr<TetAdjacency> owned_;
   const TetAdjacency* adjacency_;
-  std::vector<Vector3> points_;
   VertexLinks links_;
   FeatureEdges features_;
 };
