@@ -102,7 +102,8 @@ TEST_CASE("a grid takes the result back, with volumes as VTK counts them") {
     if (kind == 0 || kind == 3) sum += volumes->GetComponent(c, 0);
   }
   const auto report = verify::volume(expected);
-  CHECK(sum == Approx(report.by_kind[counted[0]] + report.by_kind[counted[1]]));
+  // VTK takes the faces of a hexahedron for flat, which those that were moved are not quite.
+  CHECK(sum == Approx(report.by_kind[counted[0]] + report.by_kind[counted[1]]).epsilon(1e-3));
   if (const char* const folder = std::getenv("FRAMEHEX_KEEP_MESHES")) {
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->SetFileName((std::string(folder) + "/vtk.vtu").c_str());
