@@ -8,6 +8,7 @@
 #include "framehex/pipeline/detail/better_mesh.hpp"
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/recombination/pattern_search.hpp"
+#include "framehex/selection/conflict_search.hpp"
 #include "framehex/verify/conformity.hpp"
 
 #include <sys/resource.h>
