@@ -46,6 +46,7 @@ public:
   template <TetMesh Mesh>
   FinderInput(const Mesh& mesh, const FinderOptions& options)
       : options_(options),
+        points_(),
         owned_(read(mesh, options, points_)),
         adjacency_(options.adjacency != nullptr ? options.adjacency : owned_.get()),
         links_(*adjacency_, most_corners_between + 1 + std::min(options.max_interior_vertices, points_.size())),
