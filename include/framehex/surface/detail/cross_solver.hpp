@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/option_ranges.hpp"
 #include "framehex/surface/detail/edge_clusters.hpp"
 #include "framehex/surface/feature_graph.hpp"
 
