@@ -187,12 +187,15 @@ TEST_CASE("thin regions and sharp corners become quadrilaterals") {
 }
 
 TEST_CASE("where convex quadrilaterals do not fit, triangles are left and counted") {
+  const auto wedge_before_square = [](double h) {
+    return one_loop({{0, 0}, {2, -2 * h}, {2, -1}, {4, -1}, {4, 1}, {2, 1}, {2, 2 * h}});
+  };
+  CHECK_THROWS_AS(mesh_planar(wedge_before_square(5e-9), ConstantSize{0.3}, LemonMatcher{}), invalid_outline);
   for (const auto scope : {QuadImprovementScope::everywhere, QuadImprovementScope::folded})
     for (const double angle : {1e-3, 1e-6}) {  // rad
       CAPTURE(angle);
       const double h = std::tan(angle / 2);
-      const PlanarOutline outline =
-          one_loop({{0, 0}, {2, -2 * h}, {2, -1}, {4, -1}, {4, 1}, {2, 1}, {2, 2 * h}});  // a wedge before a square
+      const PlanarOutline outline = wedge_before_square(h);
       const QuadMeshing result =
           mesh_planar(outline, ConstantSize{0.3}, LemonMatcher{}, {.improvement = {.scope = scope}});
       const QuadMesh& mesh = result.mesh;

@@ -25,15 +25,6 @@ std::size_t n_kept(const QuadMesh& mesh, const std::vector<Vector2>& points) {
   return n;
 }
 
-double area(const std::vector<Vector2>& points) {
-  double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector2 &p = points[i], &q = points[(i + 1) % points.size()];
-    sum += (p.x() * q.y() - p.y() * q.x()) / 2;
-  }
-  return sum;
-}
-
 /// Each side cut into n.
 std::vector<Vector2> subdivided(const std::vector<Vector2>& points, int n) {
   std::vector<Vector2> result;
@@ -62,7 +53,7 @@ TEST_CASE("polygons keep their vertices and with them their area") {
           mesh_shell(fan(points), ConstantSize{std::min(0.2, 0.9 * side)}, LemonMatcher{})}) {
       CHECK(n_kept(result.mesh, points) == points.size());
       const verify::QuadQuality quality = verify::quad_quality(result.mesh);
-      CHECK(quality.area == Approx(area(points)).epsilon(1e-9));
+      CHECK(quality.area == Approx(polygon_area(points)).epsilon(1e-9));
       CHECK(quality.n_triangles == 0);
       CHECK(quality.least > 0.3);
     }

@@ -28,6 +28,16 @@ inline std::vector<Vector2> circle(const Vector2& centre, double radius, int n, 
   return points;
 }
 
+/// Of a polygon that runs anticlockwise; negative, clockwise.
+inline double polygon_area(const std::vector<Vector2>& points) {
+  double sum = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector2 &p = points[i], &q = points[(i + 1) % points.size()];
+    sum += (p.x() * q.y() - p.y() * q.x()) / 2;
+  }
+  return sum;
+}
+
 inline PlanarOutline one_loop(const std::vector<Vector2>& points) {
   PlanarOutline outline;
   add_loop(outline, points);

@@ -47,10 +47,6 @@ struct indexed_traits {
   }
 };
 
-}  // namespace detail
-
-namespace detail {
-
 template <class M>
 struct indexed_tet_traits : indexed_traits<M> {
   static auto cells(const M& mesh) { return std::views::iota(index_t{0}, static_cast<index_t>(mesh.tets.size())); }
