@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What is checked on every change besides the tests: formatting, the other compiler, sanitizers.
+# What is checked on every change besides the tests: formatting, benchmarks, the other compiler, sanitizers.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -15,10 +15,11 @@ command -v npm >/dev/null || scripts/setup.sh npm
 echo "clang-tidy"
 clang-tidy-16 --quiet src/*.cpp -- -std=c++20 -Iinclude -isystem /usr/include/eigen3
 
-echo "every header compiles alone; g++ and clang make the same meshes"
+echo "the benchmarks compile, and every header alone; g++ and clang make the same meshes"
 cmake --preset gcc-release >/dev/null
-cmake --build --preset gcc-release --target framehex_headers_alone_verify_interface_header_sets compilers_mesh >/dev/null
-ctest --preset gcc-release --tests-regex '^compilers:' --no-tests=error
+cmake --build --preset gcc-release --target benchmarks compilers_mesh \
+  framehex_headers_alone_verify_interface_header_sets >/dev/null
+ctest --preset gcc-release --build-config compilers --tests-regex '^compilers:' --no-tests=error
 
 # The thread sanitizer of g++ 12 does not start where addresses are scattered more widely than it knows.
 runner=()

@@ -6,5 +6,5 @@ preset=${1:-gcc-release}
 
 scripts/setup.sh
 cmake --preset "$preset"
-cmake --build --preset "$preset" --target all benchmarks
+cmake --build --preset "$preset"
 ctest --preset "$preset" --parallel "$(nproc)"

@@ -4,7 +4,6 @@
 #include "framehex/field/detail/singular_graph_impl.hpp"
 #include "framehex/field/frame_diffusion.hpp"
 #include "framehex/field/smoothing.hpp"
-#include "framehex/surface/detail/cross_field_impl.hpp"
 
 namespace framehex {
 

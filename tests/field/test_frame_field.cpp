@@ -322,3 +322,20 @@ TEST_CASE("a cancelled stage leaves a valid field and says so") {
       CHECK(all_unit(field.frames()));
     }
 }
+
+TEST_CASE("a field can be cancelled at any call, and is not asked again") {
+  const IndexedTetMesh mesh = bracket(4);
+  for (const FieldMethod method : {FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best}) {
+    FieldReport report;
+    report.status = Status::cancelled;
+    for (int stop = 1; report.status == Status::cancelled; ++stop) {
+      REQUIRE(stop < 10'000);
+      int calls = 0;
+      const Observer observer = [&](const Progress&) { return ++calls != stop; };
+      const auto field = compute_frame_field(mesh, MeshFieldOptions{.field = {.method = method, .observer = observer}},
+                                             serial, &report);
+      CHECK(calls == (report.status == Status::cancelled ? stop : stop - 1));
+      CHECK(all_unit(field.frames()));
+    }
+  }
+}

@@ -40,7 +40,7 @@ TEST_CASE("recombination is heard of all the time, whoever works", "[progress][r
 
 TEST_CASE("frame fields are heard of all the time, whoever works", "[progress]") {
   const IndexedTetMesh mesh = jittered_cubes(28);
-  const FieldMethod method = GENERATE(FieldMethod::smoothed, FieldMethod::best);
+  const FieldMethod method = GENERATE(FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best);
   test::Listener listener;
   const Observer observer = listener.observer();
   const MeshFieldOptions options{.field = {.method = method, .observer = observer}};

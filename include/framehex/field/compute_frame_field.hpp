@@ -105,7 +105,9 @@ FieldReport fill_field(FrameField<Mesh>& field, const Surface& surface, const Bo
                        const FieldOptions& options, const E& executor) {
   field.constrain(boundary, options.vertex_of);
   if (keeps_crosses(options)) field.fix_boundary();
-  if (needs_start(options)) field.start_nearest(surface, boundary, SurfaceLocator(surface), executor);
+  if (needs_start(options) &&
+      field.start_nearest(surface, boundary, SurfaceLocator(surface), executor, options.observer) == Status::cancelled)
+    return cancelled<FieldReport>();
   return run_method(field, options, executor);
 }
 

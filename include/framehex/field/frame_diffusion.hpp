@@ -71,12 +71,16 @@ public:
   DiffusionReport run() {
     DiffusionReport report;
     report.status = Status::cancelled;
-    eigenvalue_ = first_eigenvalue(system_, constraints_, executor_);
+    const auto eigenvalue = first_eigenvalue(
+        system_, constraints_, [this](int) { return keep_going(options_.observer, "frame field", 0); }, executor_);
+    if (!eigenvalue) return report;
+    eigenvalue_ = *eigenvalue;
     encode();
     std::copy(source_.begin(), source_.end(), values_.begin());
     if (options_.start == DiffusionStart::harmonic) {
       if (!solve(0, 0, 0.4)) return report;
-      report.last_change = project(DiffusionStart::harmonic);
+      report.last_change = project(DiffusionStart::harmonic, 0.4);
+      if (cancelled_) return report;
     }
     bool settled = false;
     for (int k = 1; k <= options_.max_steps && !settled; ++k) {
@@ -84,7 +88,8 @@ public:
       const double time = options_.time_factor / (k * k * k * eigenvalue_);
       const double share = 0.6 / options_.max_steps;
       if (!solve(1 / time, 0.4 + share * (k - 1), 0.4 + share * k)) return report;
-      report.last_change = project(DiffusionStart::current);
+      report.last_change = project(DiffusionStart::current, 0.4 + share * k);
+      if (cancelled_) return report;
       report.steps = k;
       // A step longer than 1 / lambda gives the harmonic coefficients again, whatever the field was: that it changes
       // nothing says nothing of the next.
@@ -138,9 +143,14 @@ private:
   }
 
   /// Nearest frames of the coefficients. @return the root mean square of the change, rad.
-  double project(DiffusionStart start) {
+  double project(DiffusionStart start, double progress) {
+    const StoppableExecutor heard(executor_, [&] {
+      // Shared observers are asked by all holders at once, which are not equally often here.
+      if (Holding::is_whole) cancelled_ = !keep_going(options_.observer, "frame field", progress);
+      return cancelled_;
+    });
     std::vector<double> changes(source_.size(), 0.0);
-    for_blocks(executor_, source_.size(), block_size, [&](std::size_t first, std::size_t last) {
+    for_blocks(heard, source_.size(), block_size, [&](std::size_t first, std::size_t last) {
       for (std::size_t row = first; row < last; ++row) {
         const index_t v = system_.order[row];
         if (constraints_[v] == FrameConstraint::fixed) continue;
@@ -166,7 +176,8 @@ private:
   std::span<const Vector3> axes_;
   const DiffusionOptions& options_;
   const E& executor_;
-  double eigenvalue_ = 0;  ///< the first of the domain
+  double eigenvalue_ = 0;   ///< the first of the domain
+  bool cancelled_ = false;  ///< in a projection
   std::vector<Coefficients> values_, source_;
   std::vector<index_t> slot_;          ///< row -> circle
   std::vector<AxisQuartics> circles_;  ///< of the vertices with an axis
@@ -180,7 +191,7 @@ private:
 /// @param points, frames, constraints, axes  n_vertices each; frames are changed in place. A frame whose constraint is
 ///                     an axis must have it, exactly, among its own.
 /// @param executor     results do not depend on it.
-/// @return cancelled leaves a valid field, that of the last step.
+/// @return cancelled leaves a valid field, that of the last step or between it and the next.
 /// @throws invalid_option  when a number is negative or counts do not match.
 /// @par Complexity   O(edges * n^(1/6)) for the start, O(edges) per step, at small constants; about 250 bytes a vertex
 ///                   and 16 an edge. No matrix is stored or factorised.

@@ -93,10 +93,12 @@ public:
 
   /// Start from the nearest boundary point; see `framehex::start_nearest`.
   template <Executor E = SerialExecutor>
-  void start_nearest(const Surface& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
-                     const E& executor = {}) {
-    framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_, ExecutorRef(executor));
+  Status start_nearest(const Surface& surface, const BoundaryFrames& boundary, const SurfaceLocator& locator,
+                       const E& executor = {}, const Observer& observer = {}) {
+    const Status status = framehex::start_nearest(points(), constraints_, surface, boundary, locator, frames_,
+                                                  ExecutorRef(executor), observer);
     smoothness_ = frame_smoothness(adjacency(), frames_, ExecutorRef(executor));
+    return status;
   }
 
   /// See `smooth_frames`.

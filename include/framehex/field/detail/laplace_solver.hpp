@@ -5,6 +5,8 @@
 #include "framehex/field/frame_measures.hpp"
 #include "framehex/observer.hpp"
 
+#include <optional>
+
 namespace framehex::detail {
 
 /// The Laplacian of a mesh as a weighted graph, and the volume of each vertex; both along a space-filling curve, by
@@ -137,7 +139,7 @@ struct SolveOptions {
 /// Everything is numbered by the rows of the system.
 /// @param load      `load(v)` -> Value.
 /// @param project   `project(v, value)` orthogonal projection, in place (zero where the vertex is fixed).
-/// @param proceed   asked now and then; false cancels.
+/// @param proceed   asked now and then, and once by a solve that has nothing to do; false cancels.
 /// @par Complexity  O(edges) an iteration; for f = 0 about n^(1/6) iterations: constants on aggregates bend sharply.
 /// @par Source      Bramble, Pasciak, Xu, Math. Comp. 55 (1990), for the sum over levels; aggregates of a space-filling
 ///                  curve in place of nested meshes.
@@ -170,8 +172,8 @@ public:
     turn(0);
     const double target = options.tolerance * options.tolerance * (options.energy > 0 ? options.energy : rho);
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-      if (!(rho > target)) return SolveStatus::converged;
       if (iteration % 8 == 0 && !proceed_(iteration)) return SolveStatus::cancelled;
+      if (!(rho > target)) return SolveStatus::converged;
       sum_ = {};
       add(n_, row_block, [&](std::size_t v) {
         Value q = row(direction_, v);
@@ -311,9 +313,13 @@ double sum_of_rows(const LaplaceSystem<Holding>& system, const E& executor, cons
 
 /// Estimate of the first eigenvalue of the Laplacian that vanishes at the `pinned` vertices, own unit^-2: the Rayleigh
 /// quotient of the solution of -laplace u = 1, within a few per cent on round domains.
-template <class Holding, class E>
-double first_eigenvalue(const LaplaceSystem<Holding>& system, std::span<const FrameConstraint> constraints,
-                        const E& executor) {
+///
+/// @param proceed  as for `ConjugateGradients`.
+/// @return nothing when cancelled.
+template <class Holding, class Proceed, class E>
+std::optional<double> first_eigenvalue(const LaplaceSystem<Holding>& system,
+                                       std::span<const FrameConstraint> constraints, const Proceed& proceed,
+                                       const E& executor) {
   using Value = Eigen::Matrix<double, 1, 1>;
   std::vector<Value> u(constraints.size(), Value::Zero());
   const double volume = sum_of_rows(system, executor, [&](std::size_t v) { return system.masses[v]; });
@@ -326,9 +332,9 @@ double first_eigenvalue(const LaplaceSystem<Holding>& system, std::span<const Fr
   };
   const RowAggregates aggregates(
       system, [&](std::size_t v) { return constraints[system.order[v]] == FrameConstraint::none ? 1. : 0.; });
-  solve_laplace(
-      system, aggregates, u, load, project, [](int) { return true; },
-      {.mass_factor = shift, .tolerance = 1e-2, .max_iterations = 500}, executor);
+  const SolveOptions solve{.mass_factor = shift, .tolerance = 1e-2, .max_iterations = 500};
+  if (solve_laplace(system, aggregates, u, load, project, proceed, solve, executor) == SolveStatus::cancelled)
+    return std::nullopt;
   const double reach = sum_of_rows(system, executor, [&](std::size_t v) { return system.masses[v] * u[v][0]; });
   const double moment =
       sum_of_rows(system, executor, [&](std::size_t v) { return system.masses[v] * u[v][0] * u[v][0]; });
