@@ -3,6 +3,7 @@
 #include "framehex/adapters/mesh_reader.hpp"
 #include "framehex/adapters/tetgen_process.hpp"
 
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/io/bodies.hpp"
 #include "framehex/io/surface_faults.hpp"
 #include "framehex/pipeline/memory_estimate.hpp"

@@ -2,6 +2,7 @@
 #include "sizes.hpp"
 
 #include "framehex/adapters/vtu_reader.hpp"
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/mesh/enclosed_volume.hpp"
 #include "framehex/mesh/validation.hpp"

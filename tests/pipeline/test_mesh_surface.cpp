@@ -4,6 +4,8 @@
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/self_intersection.hpp"
+#include "framehex/surface/surface_locator.hpp"
 #include "framehex/tetrahedralization/background.hpp"
 #include "framehex/verify/boundary_deviation.hpp"
 #include "framehex/verify/conformity.hpp"

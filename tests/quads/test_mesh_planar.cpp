@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/boost_matcher.hpp"
 #include "framehex/adapters/lemon_matcher.hpp"
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/pipeline/mesh_planar.hpp"
 #include "framehex/pipeline/mesh_shell.hpp"
 

@@ -4,6 +4,7 @@
 #include "framehex/sizing/graded_size.hpp"
 #include "framehex/sizing/surface_sizes.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/surface_locator.hpp"
 #include "support/complexes.hpp"
 #include "support/insertion_fixtures.hpp"
 #include "support/surfaces.hpp"

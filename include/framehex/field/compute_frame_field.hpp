@@ -7,6 +7,7 @@
 #include "framehex/option_ranges.hpp"
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/surface.hpp"
+#include "framehex/surface/surface_locator.hpp"
 
 namespace framehex {
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/insertion/estimate.hpp"
 #include "framehex/insertion/volume_inserter.hpp"
 #include "framehex/mesh/enclosed_volume.hpp"
 #include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/surface/regions.hpp"
+#include "framehex/surface/surface_locator.hpp"
 
 namespace framehex {
 

@@ -16,6 +16,7 @@
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/input_wedges.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/surface_locator.hpp"
 #include "framehex/tetrahedralization/background.hpp"
 #include "framehex/tetrahedralization/flat_tets.hpp"
 #include "framehex/tetrahedralization/repeated.hpp"

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/bounding_box.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
 #include "framehex/quads/detail/thin_strips.hpp"
 #include "framehex/quads/even_intervals.hpp"
 #include "framehex/surface/limited_size.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/surface_locator.hpp"
 
 #include <optional>
 #include <utility>
