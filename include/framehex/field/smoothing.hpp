@@ -68,23 +68,118 @@ struct SmoothingReport {
 
 namespace detail {
 
-/// State of a smoothing in progress: the field and what each vertex last did.
-struct SmoothingState {
-  const Csr<index_t>& ring;
-  std::span<Quaternion> frames;
-  std::span<double> smoothness;
-  std::span<const FrameConstraint> constraints;
-  std::span<const Vector3> axes;
-  const SmoothingOptions& options;
-  std::vector<double> moved;             ///< rotation of the last visit, rad
-  std::vector<std::uint8_t> iterations;  ///< of the last visit; 0: skipped
+/// A smoothing in progress: the field, and what each vertex last did.
+template <class E, class Holding>
+class FrameSmoother {
+public:
+  FrameSmoother(const TetAdjacency& adjacency, std::span<Quaternion> frames, std::span<double> smoothness,
+                std::span<const FrameConstraint> constraints, std::span<const Vector3> axes,
+                const SmoothingOptions& options, const E& executor, const Holding& holding)
+      : adjacency_(adjacency),
+        ring_(adjacency.vertices_of_vertex),
+        frames_(frames),
+        smoothness_(smoothness),
+        constraints_(constraints),
+        axes_(axes),
+        options_(options),
+        executor_(executor),
+        holding_(holding),
+        moved_(frames.size(), 0.0),
+        iterations_(frames.size(), 0),
+        is_due_(frames.size()) {
+    for (index_t v = 0; v < frames.size(); ++v)
+      if (holding.is_own(v) && constraints[v] != FrameConstraint::fixed && !ring_[v].empty()) free_.push_back(v);
+  }
+
+  SmoothingReport run() {
+    SmoothingReport report;
+    measure_smoothness();
+    const std::int64_t n_free = holding_.total(static_cast<std::int64_t>(free_.size()));
+    for (int sweep = 0; sweep < options_.max_sweeps && !report.converged; ++sweep) {
+      const std::vector<index_t> order = due_vertices(sweep);
+      const bool finished = visit_all(order, sweep);
+      report.sweeps.push_back(report_of(order, n_free));
+      report.converged = report.sweeps.back().largest_rotation < options_.global_tolerance;
+      if (!finished) {
+        report.status = Status::cancelled;
+        break;
+      }
+    }
+    if (!report.converged && report.status == Status::complete) report.status = Status::budget_exhausted;
+    measure_smoothness();
+    return report;
+  }
+
+private:
+  void measure_smoothness() {
+    const std::vector<double> values = frame_smoothness(adjacency_, frames_, executor_);
+    std::copy(values.begin(), values.end(), smoothness_.begin());
+    holding_.refresh(smoothness_);
+  }
+
+  /// Vertices that moved in the last sweep and their neighbours, those that moved least first; all in the first sweep.
+  std::vector<index_t> due_vertices(int sweep) {
+    const auto moves = [&](index_t w) { return moved_[w] > 0; };
+    std::fill(is_due_.begin(), is_due_.end(), std::uint8_t{0});
+    for (const index_t v : free_) is_due_[v] = sweep == 0 || moves(v) || std::ranges::any_of(ring_[v], moves);
+    holding_.refresh(std::span(is_due_));
+    std::vector<index_t> order;
+    for (index_t v = 0; v < is_due_.size(); ++v)
+      if (is_due_[v]) order.push_back(v);
+    std::stable_sort(order.begin(), order.end(), [&](index_t v, index_t w) { return moved_[v] < moved_[w]; });
+    return order;
+  }
+
+  /// Visits the vertices of a sweep, in stages without neighbours. @return false when the observer stops it.
+  bool visit_all(std::span<const index_t> order, int sweep) {
+    std::fill(moved_.begin(), moved_.end(), 0.0);
+    VisitSchedule schedule(ring_, order, [&](index_t v) { return holding_.is_own(v); });
+    const auto n_due = static_cast<double>(std::max<std::int64_t>(schedule.n_left(), 1));
+    const auto goes_on = [&] {
+      const double share = 1 - static_cast<double>(schedule.n_left()) / n_due;
+      return keep_going(options_.observer, "smoothing", (sweep + share) / options_.max_sweeps);
+    };
+    bool going = true;
+    std::vector<index_t> visited;
+    for (std::int64_t n_left = 1; n_left > 0 && going; n_left = holding_.total(schedule.n_left())) {
+      visited.clear();
+      while (going && schedule.next_stage()) {
+        const std::span<const index_t> members = schedule.stage();
+        for_blocks(executor_, members.size(), 256, [&](std::size_t first, std::size_t last) {
+          for (std::size_t i = first; i < last; ++i) visit(members[i]);
+        });
+        visited.insert(visited.end(), members.begin(), members.end());
+        if (Holding::is_whole) going = goes_on();
+      }
+      for (const index_t v : holding_.pass_on(visited, frames_, smoothness_, std::span(moved_))) schedule.arrived(v);
+      if (!Holding::is_whole) going = goes_on();
+    }
+    return going;
+  }
+
+  SweepReport report_of(std::span<const index_t> order, std::int64_t n_free) const {
+    std::int64_t visits = 0, iterations = 0;
+    double largest_rotation = 0;
+    for (const index_t v : order) {
+      if (!holding_.is_own(v)) continue;
+      largest_rotation = std::max(largest_rotation, moved_[v]);
+      iterations += iterations_[v];
+      ++visits;
+    }
+    SweepReport report;
+    report.largest_rotation = holding_.largest(largest_rotation);
+    const auto n_visits = static_cast<double>(holding_.total(visits));
+    report.local_iterations = n_visits > 0 ? static_cast<double>(holding_.total(iterations)) / n_visits : 0;
+    report.skipped = n_free == 0 ? 0 : 1 - n_visits / static_cast<double>(n_free);
+    return report;
+  }
 
   double weight(index_t w, offset_t slot) const {
-    double c = options.edge_weights.empty() ? 1 : options.edge_weights[slot];
+    double c = options_.edge_weights.empty() ? 1 : options_.edge_weights[slot];
     // On the boundary the frame is known, however rough its surroundings.
-    if (options.diffusivity == Diffusivity::variable && constraints[w] == FrameConstraint::none &&
-        smoothness[w] < options.smooth_threshold)
-      c *= options.rough_weight;
+    if (options_.diffusivity == Diffusivity::variable && constraints_[w] == FrameConstraint::none &&
+        smoothness_[w] < options_.smooth_threshold)
+      c *= options_.rough_weight;
     return c;
   }
 
@@ -92,29 +187,43 @@ struct SmoothingState {
   Vector3 mean_rotation(index_t v) const {
     Vector3 sum = Vector3::Zero();
     double total = 0;
-    for (offset_t s = ring.offsets[v]; s < ring.offsets[v + 1]; ++s) {
-      const double c = weight(ring.values[s], s);
-      sum += c * CubeRotationGroup<>::rotation_vector(frames[v], frames[ring.values[s]]);
+    for (offset_t s = ring_.offsets[v]; s < ring_.offsets[v + 1]; ++s) {
+      const double c = weight(ring_.values[s], s);
+      sum += c * CubeRotationGroup<>::rotation_vector(frames_[v], frames_[ring_.values[s]]);
       total += c;
     }
     if (total > 0) sum /= total;
-    if (constraints[v] == FrameConstraint::axis) sum = axes[v] * axes[v].dot(sum);
+    if (constraints_[v] == FrameConstraint::axis) sum = axes_[v] * axes_[v].dot(sum);
     return sum;
   }
 
   void visit(index_t v) {
-    const Quaternion start = frames[v];
+    const Quaternion start = frames_[v];
     std::uint8_t done = 0;
-    while (done < options.max_local_iterations) {
+    while (done < options_.max_local_iterations) {
       ++done;
       const Vector3 rotation = mean_rotation(v);
-      if (rotation.norm() < options.local_tolerance) break;
-      frames[v] = (CubeRotationGroup<>::exponential(rotation) * frames[v]).normalized();
+      if (rotation.norm() < options_.local_tolerance) break;
+      frames_[v] = (CubeRotationGroup<>::exponential(rotation) * frames_[v]).normalized();
     }
-    iterations[v] = done;
-    moved[v] = done == 1 ? 0 : CubeRotationGroup<>::angle(start, frames[v]);
-    smoothness[v] = vertex_smoothness(v, ring[v], frames);
+    iterations_[v] = done;
+    moved_[v] = done == 1 ? 0 : CubeRotationGroup<>::angle(start, frames_[v]);
+    smoothness_[v] = vertex_smoothness(v, ring_[v], frames_);
   }
+
+  const TetAdjacency& adjacency_;
+  const Csr<index_t>& ring_;
+  std::span<Quaternion> frames_;
+  std::span<double> smoothness_;
+  std::span<const FrameConstraint> constraints_;
+  std::span<const Vector3> axes_;
+  const SmoothingOptions& options_;
+  const E& executor_;
+  const Holding& holding_;
+  std::vector<index_t> free_;
+  std::vector<double> moved_;             ///< rotation of the last visit, rad
+  std::vector<std::uint8_t> iterations_;  ///< of the last visit; 0: skipped
+  std::vector<std::uint8_t> is_due_;
 };
 
 }  // namespace detail
@@ -146,84 +255,7 @@ SmoothingReport smooth_frames(const TetAdjacency& adjacency, std::span<Quaternio
   if (smoothness.size() != n || constraints.size() != n || axes.size() != n || adjacency.n_vertices() != n ||
       (!options.edge_weights.empty() && options.edge_weights.size() != adjacency.vertices_of_vertex.values.size()))
     throw invalid_option("frames, constraints and weights are not those of one mesh");
-
-  const Csr<index_t>& ring = adjacency.vertices_of_vertex;
-  detail::SmoothingState state{ring,
-                               frames,
-                               smoothness,
-                               constraints,
-                               axes,
-                               options,
-                               std::vector<double>(n, 0.0),
-                               std::vector<std::uint8_t>(n, 0)};
-  const std::vector<double> initial = frame_smoothness(adjacency, frames, executor);
-  std::copy(initial.begin(), initial.end(), smoothness.begin());
-  holding.refresh(smoothness);
-  std::vector<index_t> free, order, visited;
-  std::vector<std::uint8_t> is_due(n);
-  for (std::size_t v = 0; v < n; ++v)
-    if (holding.is_own(static_cast<index_t>(v)) && constraints[v] != FrameConstraint::fixed && !ring[v].empty())
-      free.push_back(static_cast<index_t>(v));
-  const std::int64_t n_free = holding.total(static_cast<std::int64_t>(free.size()));
-
-  SmoothingReport report;
-  for (int sweep = 0; sweep < options.max_sweeps && !report.converged; ++sweep) {
-    std::fill(is_due.begin(), is_due.end(), std::uint8_t{0});
-    for (const index_t v : free) {
-      const auto moves = [&](index_t w) { return state.moved[w] > 0; };
-      const auto row = ring[v];
-      is_due[v] = sweep == 0 || moves(v) || std::any_of(row.begin(), row.end(), moves);
-    }
-    holding.refresh(std::span(is_due));
-    order.clear();
-    for (index_t v = 0; v < n; ++v)
-      if (is_due[v]) order.push_back(v);
-    std::stable_sort(order.begin(), order.end(), [&](index_t v, index_t w) { return state.moved[v] < state.moved[w]; });
-    std::fill(state.moved.begin(), state.moved.end(), 0.0);
-
-    detail::VisitSchedule schedule(ring, order, [&](index_t v) { return holding.is_own(v); });
-    const auto n_due = static_cast<double>(std::max<std::int64_t>(schedule.n_left(), 1));
-    const auto goes_on = [&] {
-      const double share = 1 - static_cast<double>(schedule.n_left()) / n_due;
-      return keep_going(options.observer, "smoothing", (sweep + share) / options.max_sweeps);
-    };
-    bool going = true;
-    for (std::int64_t n_left = 1; n_left > 0 && going; n_left = holding.total(schedule.n_left())) {
-      visited.clear();
-      while (going && schedule.next_stage()) {
-        const std::span<const index_t> members = schedule.stage();
-        for_blocks(executor, members.size(), 256, [&](std::size_t first, std::size_t last) {
-          for (std::size_t i = first; i < last; ++i) state.visit(members[i]);
-        });
-        visited.insert(visited.end(), members.begin(), members.end());
-        if (Holding::is_whole) going = goes_on();
-      }
-      for (const index_t v : holding.pass_on(visited, frames, smoothness, std::span(state.moved))) schedule.arrived(v);
-      if (!Holding::is_whole) going = goes_on();
-    }
-    if (!going) report.status = Status::cancelled;
-
-    SweepReport& s = report.sweeps.emplace_back();
-    std::int64_t visits = 0, iterations = 0;
-    double largest_rotation = 0;
-    for (const index_t v : order) {
-      if (!holding.is_own(v)) continue;
-      largest_rotation = std::max(largest_rotation, state.moved[v]);
-      iterations += state.iterations[v];
-      ++visits;
-    }
-    s.largest_rotation = holding.largest(largest_rotation);
-    const auto n_visits = static_cast<double>(holding.total(visits));
-    s.local_iterations = n_visits > 0 ? static_cast<double>(holding.total(iterations)) / n_visits : 0;
-    s.skipped = n_free == 0 ? 0 : 1 - n_visits / static_cast<double>(n_free);
-    report.converged = s.largest_rotation < options.global_tolerance;
-    if (report.status == Status::cancelled) break;
-  }
-  if (!report.converged && report.status == Status::complete) report.status = Status::budget_exhausted;
-  const std::vector<double> last = frame_smoothness(adjacency, frames, executor);
-  std::copy(last.begin(), last.end(), smoothness.begin());
-  holding.refresh(smoothness);
-  return report;
+  return detail::FrameSmoother(adjacency, frames, smoothness, constraints, axes, options, executor, holding).run();
 }
 
 #ifdef FRAMEHEX_COMPILED
