@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/pipeline/detail/curve_limits.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
 #include "framehex/quads/detail/thin_strips.hpp"
@@ -17,7 +18,8 @@ namespace framehex::detail {
 class QuadMesher {
 public:
   QuadMesher(const MatcherRef& matcher, const SizeFieldRef& size, QuadMeshingOptions options)
-      : matcher_(matcher), size_(size), options_(std::move(options)) {
+      : matcher_(matcher), asked_size_(size), size_(size), options_(std::move(options)) {
+    options_.improvement.max_deviation = options_.retriangulation.max_deviation;
     options_.curves.added = {};
     options_.surface.complete = {};
     options_.quads.frames = {};
@@ -31,8 +33,11 @@ public:
   QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
     input_ = std::move(input);
     inside_ = std::move(inside);
+    diagonal_ = bounding_box(input_.points).diagonal().norm();
     add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
+    if (!follow_curves()) return cancelled<QuadMeshing>();
     locator_ = SurfaceLocator(input_);
+    carriers_ = FeatureCarriers(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
@@ -76,6 +81,24 @@ private:
   static constexpr int most_shrinkings = 12;   ///< the same, where even the nearest is much too far
   static constexpr double near_enough = 1.2;   ///< by the deviation that is wanted: not much too far
   static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
+  static constexpr int most_curve_rounds = 30;  ///< of shrinking along curves
+
+  /// Makes the size smaller where the sides of curves would be too far from them. Bends that stand out at that size are
+  /// corners then. @return false when told to stop.
+  bool follow_curves() {
+    const double tolerance = options_.retriangulation.max_deviation * diagonal_;
+    if (!std::isfinite(tolerance)) return true;
+    for (int round = 0; round < most_curve_rounds; ++round) {
+      const CurveInsertion curves = insert_curve_points(input_, size_, options_.curves);
+      if (curves.status == Status::cancelled) return false;
+      const std::vector<SizeLimit> limits = limits_of_curves(input_, curves, asked_size_, size_, tolerance);
+      if (limits.empty()) break;
+      size_.add(limits);
+      add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
+    }
+    result_.statistics.n_shrunk_places = size_.limits().size();
+    return true;
+  }
 
   /// @return false when told to stop.
   bool fill_patches() {
@@ -248,7 +271,7 @@ private:
   }
 
   bool improve(const QuadImprovementOptions& options) {
-    QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options);
+    QuadImprovement improved = improve_quads(result_.mesh, carriers_, options);
     if (improved.status != Status::complete) return false;
     result_.mesh = std::move(improved.mesh);
     folded_ = std::move(improved.folded);
@@ -264,21 +287,26 @@ private:
     return sum / static_cast<double>(n);
   }
 
-  /// Lengths that bring mesh and input nearer to each other, where they are farther apart than is allowed: vertices of
-  /// the background from the mesh, the middles of cells and of their edges from the input.
+  /// Lengths that bring mesh and input nearer to each other, where they are farther apart than is allowed: curves from
+  /// the sides along them, vertices of the background from the mesh, the middles of cells and of their edges from the
+  /// input.
   std::vector<SizeLimit> limits_where_far() {
-    const Eigen::AlignedBox3d box = bounding_box(input_.points);
-    if (box.sizes().minCoeff() == 0) return {};  // all lies in a plane
-    const double diagonal = box.diagonal().norm(), tolerance = options_.retriangulation.max_deviation * diagonal;
+    const double tolerance = options_.retriangulation.max_deviation * diagonal_;
     double& farthest = result_.statistics.deviation = 0;
     std::vector<SizeLimit> limits;
     const auto add = [&](const Vector3& p, double distance) {
-      farthest = std::max(farthest, distance / diagonal);
+      farthest = std::max(farthest, distance / diagonal_);
       if (distance <= tolerance) return;
       // Of a curved surface chords are off by the square of their length.
       const double ratio = std::max(least_shrink, shrink_margin_ * std::sqrt(tolerance / distance));
-      limits.push_back({p, ratio * std::min(size_(p), diagonal)});
+      limits.push_back({p, ratio * std::min(size_(p), diagonal_)});
     };
+    for (const LabelledEdge& edge : result_.mesh.edges) {
+      const auto& p = result_.mesh.points;
+      const auto far = carriers_.farthest_from_chord(edge.label, p[edge.vertices[0]], p[edge.vertices[1]]);
+      add(far.point, far.distance);
+    }
+    if (bounding_box(input_.points).sizes().minCoeff() == 0) return limits;  // all lies in a plane
     IndexedTriangleMesh mesh{result_.mesh.points, {}};
     for (index_t q = 0; q < result_.mesh.cells.size(); ++q) {
       const QuadMesh::Cell& c = result_.mesh.cells[q];
@@ -316,6 +344,7 @@ private:
   }
 
   const MatcherRef& matcher_;
+  const SizeFieldRef& asked_size_;
   LimitedSize<SizeFieldRef> size_;
   QuadMeshingOptions options_;
   std::vector<SizeLimit> inside_;
@@ -324,7 +353,9 @@ private:
   QuadMeshing result_;
   std::optional<QuadMeshing> sound_;  // of the attempt without folded cells that was nearest to the input
   Surface input_;
-  SurfaceLocator locator_;  // of the input
+  SurfaceLocator locator_;    // of the input
+  FeatureCarriers carriers_;  // the same
+  double diagonal_ = 0;       // of the box round it
   Surface surface_;         // through the samples
   SurfaceInsertion samples_;
   double shrink_margin_ = 0.8;          // to a size that would just do
