@@ -1049,13 +1049,13 @@ class TestQuadrilaterals(Case):
                 self.assertEqual(json.loads((self.folder / "out.json").read_text())["counts"]["quadrilaterals"], n)
 
     def test_bad_outlines(self):
-        for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segments (2, 3) and (0, 1) cross",)),
+        for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segment (2, 3) of loop 0 and segment (0, 1) of loop 0 cross",)),
                             ("0 0\n1 0\n1 zero\n", ("line 3", "a coordinate")),
                             ("0 0\n1 nan\n1 1\n", ("vertex 1", "not finite")),
                             ("\n# nothing\n", ("holds no line",)),
                             ("0 0\n1 0\n1 1\n\ninner\n2 2\n3 3\n", ("polyline 1 lies outside",)),
                             ("inner\n0 0\n1 1\n", ("no loop",)),
-                            ("0 0\n4 0\n4 4\n0 4\n\n1 0\n2 1\n1 1\n", ("vertex 4 lies on segment (0, 1)",))):
+                            ("0 0\n4 0\n4 4\n0 4\n\n1 0\n2 1\n1 1\n", ("vertex 4 of loop 1 lies on segment (0, 1) of loop 0",))):
             with self.subTest(text=text):
                 self.check_refused(self.plane(self.outline(text)), "loops.txt", *words)
         obj = self.outline("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n", "open.obj")

@@ -20,8 +20,10 @@ struct QuadQuality {
   std::size_t n_rim_edges = 0;          ///< edges of one cell
   std::size_t n_bad_edges = 0;          ///< edges that two cells run along the same way
   long euler_characteristic = 0;        ///< vertices in use less edges plus cells
-  /// Over all vertices, 4 less the number of cells inside and 2 less it on rims: four times the Euler characteristic,
-  /// where all cells are quadrilaterals.
+  /// Over all vertices, 4 less the number of cells and of edges that end there, which count once on a rim, not where two
+  /// cells meet, and less than nothing where more do. That is 4 less the cells inside, 2 less them on a rim, and where rims
+  /// touch 2 less them for each fan of cells, less 4 for each fan but the first: four times the Euler characteristic, where
+  /// all cells are quadrilaterals.
   long index_sum = 0;
 };
 
@@ -61,6 +63,7 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
   }
   for (const auto& [key, side] : sides) {
     if (side.forth > 1 || side.back > 1) ++q.n_bad_edges;
+    q.index_sum -= 2 * (2 - side.forth - side.back);  // at both ends
     if (side.forth + side.back != 1) continue;
     ++q.n_rim_edges;
     on_rim[key >> 32] = on_rim[key & 0xffffffff] = 1;
@@ -69,7 +72,7 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
   for (std::size_t v = 0; v < n_cells.size(); ++v) {
     if (n_cells[v] == 0) continue;
     ++n_used;
-    q.index_sum += (on_rim[v] ? 2 : 4) - n_cells[v];
+    q.index_sum += 4 - n_cells[v];
     q.n_irregular += !on_rim[v] && n_cells[v] != 4;
   }
   q.euler_characteristic = n_used - static_cast<long>(sides.size()) + static_cast<long>(mesh.cells.size());
