@@ -30,8 +30,11 @@ QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Ma
                         const QuadMeshingOptions& options = {}) {
   check_options(options);
   if (!std::isfinite(outline.z)) throw invalid_coordinate("z of the outline is not finite");
+  QuadMeshingOptions planar = options;
+  // As thin as strips may be: the outline's vertices on them are to go all the same.
+  planar.retriangulation.least_shape = std::min(planar.retriangulation.least_shape, detail::least_curve_distance);
   QuadMeshing result =
-      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, options);
+      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, planar);
   for (Vector3& p : result.mesh.points) p.z() = outline.z;
   for (Vector3& p : result.background.points) p.z() = outline.z;
   return result;

@@ -71,7 +71,8 @@ inline void check_separation(const Surface& surface) {
   for (index_t h = 0; h < a.opposite.size(); ++h) {
     if (a.opposite[h] != no_index) continue;
     const index_t v = a.from(h), w = a.to(h);
-    const Vector3 &p = surface.points[v], &q = surface.points[w], &apex = surface.points[a.to(TriangleAdjacency::next(h))];
+    const Vector3 &p = surface.points[v], &q = surface.points[w],
+                  &apex = surface.points[a.to(TriangleAdjacency::next(h))];
     const double height = (p + nearest_on_segment(apex, p, q) * (q - p) - apex).norm();
     if (height < least)
       throw invalid_surface(text("triangle " + std::to_string(h / 3) + " on a rim is flat: its corner and its side (" +

@@ -213,8 +213,7 @@ inline void check_separation(const PlanarOutline& outline, const ConstrainedDela
   const OutlineNames names(outline);
   const auto refuse = [&](const std::string& what, double distance, std::vector<std::size_t> vertices) {
     std::ostringstream text;
-    text << what << " are " << distance << " apart, less than " << least_curve_distance
-         << " of the outline's diagonal";
+    text << what << " are " << distance << " apart, less than " << least_curve_distance << " of the outline's diagonal";
     throw invalid_outline(text.str(), Entity::vertex, std::move(vertices));
   };
   const EditableSurface& mesh = delaunay.mesh();

@@ -46,6 +46,16 @@ public:
     // resort are triangles. Where the input is far from a sound mesh, the next has a smaller size.
     for (int n_folded = 0, n_far = 0; n_folded < most_widenings;) {
       if (!fill_patches()) return cancelled<QuadMeshing>();
+      // Few cells for a large body are not worth improving.
+      if (result_.mesh.cells.size() < few_cells && n_far < usual_shrinkings)
+        if (const std::vector<SizeLimit> limits = limits_where_far();
+            result_.statistics.deviation > far_off * options_.retriangulation.max_deviation) {
+          ++n_far;
+          shrink(limits);
+          continue;
+        }
+      if (!improve(options_.improvement)) return cancelled<QuadMeshing>();
+      watch_.lap(result_.seconds.improvement);
       const std::vector<SizeLimit> limits = limits_where_far();
       if (folded_.empty()) {
         if (limits.empty()) return std::move(result_);
@@ -56,8 +66,7 @@ public:
       // Far from the input cells may be folded because there are too few of them.
       if (!limits.empty() && n_far < most_shrinkings) {
         if (++n_far > usual_shrinkings) shrink_margin_ = 0.65;
-        size_.add(limits);
-        result_.statistics.n_shrunk_places = size_.limits().size();
+        shrink(limits);
         continue;
       }
       if (n_folded > 1 && folded_.size() >= folded_before_) break;
@@ -75,12 +84,14 @@ public:
   }
 
 private:
-  static constexpr double halved = 2.5;        ///< triangles whose edges are halved to be short, by those that just are
-  static constexpr int most_widenings = 4;     ///< attempts that leave folded cells
-  static constexpr int usual_shrinkings = 5;   ///< attempts that are too far from the input, after the first
-  static constexpr int most_shrinkings = 12;   ///< the same, where even the nearest is much too far
-  static constexpr double near_enough = 1.2;   ///< by the deviation that is wanted: not much too far
-  static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
+  static constexpr double halved = 2.5;       ///< triangles whose edges are halved to be short, by those that just are
+  static constexpr int most_widenings = 4;    ///< attempts that leave folded cells
+  static constexpr int usual_shrinkings = 5;  ///< attempts that are too far from the input, after the first
+  static constexpr int most_shrinkings = 12;  ///< the same, where even the nearest is much too far
+  static constexpr double near_enough = 1.2;  ///< by the deviation that is wanted: not much too far
+  static constexpr double far_off = 2;        ///< the same: much too far
+  static constexpr std::size_t few_cells = 1000;
+  static constexpr double least_shrink = 0.4;   ///< of the size, where the mesh is too far from the input
   static constexpr int most_curve_rounds = 30;  ///< of shrinking along curves
 
   /// Makes the size smaller where the sides of curves would be too far from them. Bends that stand out at that size are
@@ -109,9 +120,12 @@ private:
     if (!going("quadrangulation")) return false;
     join_triangles();
     watch_.lap(result_.seconds.quadrangulation);
-    if (!improve(options_.improvement)) return false;
-    watch_.lap(result_.seconds.improvement);
     return true;
+  }
+
+  void shrink(const std::vector<SizeLimit>& limits) {
+    size_.add(limits);
+    result_.statistics.n_shrunk_places = size_.limits().size();
   }
 
   /// Joins no triangles but those that make a convex quadrilateral and share an edge, and keeps cells so.
@@ -356,7 +370,7 @@ private:
   SurfaceLocator locator_;    // of the input
   FeatureCarriers carriers_;  // the same
   double diagonal_ = 0;       // of the box round it
-  Surface surface_;         // through the samples
+  Surface surface_;           // through the samples
   SurfaceInsertion samples_;
   double shrink_margin_ = 0.8;          // to a size that would just do
   std::vector<index_t> folded_;         // cells of the last attempt

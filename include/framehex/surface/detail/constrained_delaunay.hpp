@@ -89,7 +89,8 @@ private:
   }
 
   [[noreturn]] void refuse_twins(index_t a, index_t b) const {
-    throw invalid_outline(names_.vertex(a) + " and " + names_.vertex(b) + " are the same point", Entity::vertex, {a, b});
+    throw invalid_outline(names_.vertex(a) + " and " + names_.vertex(b) + " are the same point", Entity::vertex,
+                          {a, b});
   }
 
   int turn(index_t a, index_t b, index_t c) const {

@@ -36,8 +36,9 @@ public:
     if (owners.size() < 2) return text;
     text += ", again in " + polyline(owners[1]);
     if (owners[1] < outline_.loops.size())
-      text += ": of regions side by side give the loop round all of them, and what they share once, as an inner polyline "
-              "(in text: after a line `inner`)";
+      text +=
+          ": of regions side by side give the loop round all of them, and what they share once, as an inner polyline "
+          "(in text: after a line `inner`)";
     return text;
   }
 
