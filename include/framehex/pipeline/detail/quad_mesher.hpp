@@ -44,13 +44,13 @@ public:
     watch_.lap(result_.seconds.field);
     // No cell that is folded is ever handed out: where one is left, the next attempt gives it more room, and the last
     // resort are triangles. Where the input is far from a sound mesh, the next has a smaller size.
-    for (int n_folded = 0, n_far = 0; n_folded < most_widenings;) {
+    for (int n_folded = 0, n_far = 0, n_coarse = 0; n_folded < most_widenings;) {
       if (!fill_patches()) return cancelled<QuadMeshing>();
       // Few cells for a large body are not worth improving.
-      if (result_.mesh.cells.size() < few_cells && n_far < usual_shrinkings)
+      if (result_.mesh.cells.size() < few_cells && n_coarse < usual_shrinkings)
         if (const std::vector<SizeLimit> limits = limits_where_far();
             result_.statistics.deviation > far_off * options_.retriangulation.max_deviation) {
-          ++n_far;
+          ++n_coarse;
           shrink(limits);
           continue;
         }
