@@ -146,15 +146,17 @@ TEST_CASE("vertices that slide on a curve do not take it farther from its sides"
 }
 
 TEST_CASE("shells keep their holes as planar domains do", "[regression]") {
-  const PlanarOutline outline = plate_with_hole(0.2);
-  IndexedTriangleMesh surface = triangulate_outline(outline).mesh;
   const Eigen::AngleAxisd turn(0.7, Vector3(1, 2, 3).normalized());
-  for (Vector3& p : surface.points) p = turn * p;
-  for (const double size : {0.25, 0.3, 0.5}) {
-    CAPTURE(size);
-    const QuadMeshing result = mesh_shell(surface, ConstantSize{size}, LemonMatcher{});
-    CHECK(hole_left(result.mesh) > 0.8 * std::numbers::pi * 0.04);
-    CHECK(result.statistics.deviation < 0.01);
+  for (const double radius : {0.1, 0.2, 0.3, 0.45}) {
+    IndexedTriangleMesh surface = triangulate_outline(plate_with_hole(radius)).mesh;
+    for (Vector3& p : surface.points) p = turn * p;
+    for (const double size : {0.2, 0.3, 0.4, 0.6}) {
+      if (size > 5 * radius) continue;
+      CAPTURE(radius, size);
+      const QuadMeshing result = mesh_shell(surface, ConstantSize{size}, LemonMatcher{});
+      CHECK(hole_left(result.mesh) > 0.8 * std::numbers::pi * radius * radius);
+      CHECK(result.statistics.deviation < 0.01);
+    }
   }
 }
 
