@@ -13,7 +13,8 @@ namespace framehex {
 ///
 /// Vertices of the outline where it bends by more than `features.corner_angle`, or by less but between straight parts
 /// longer than the size (`QuadMeshingOptions::bends`), are vertices of the mesh; between them curves have points at the
-/// mesh's own distances.
+/// mesh's own distances, smaller where the sides would be too far from the outline
+/// (`RetriangulationOptions::max_deviation`; infinite: nowhere), and the result tells how far they are.
 ///
 /// @param outline  loops in any direction, holes, inner polylines; see `PlanarOutline`. Coordinates in the host's unit.
 /// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
