@@ -30,7 +30,9 @@ const Surface& jittered_square(std::int64_t n) {
       const double x = inside ? uniform() : 0, y = inside ? uniform() : 0;
       mesh.points.emplace_back(i + x, j + y, 0);
     }
-  detail::ConstrainedDelaunay delaunay(mesh.points);
+  const PlanarOutline nameless;
+  const detail::OutlineNames names(nameless);
+  detail::ConstrainedDelaunay delaunay(mesh.points, names);
   delaunay.insert_points();
   for (const auto& t : delaunay.mesh().corners)
     if (!delaunay.is_box_corner(t[0]) && !delaunay.is_box_corner(t[1]) && !delaunay.is_box_corner(t[2]))

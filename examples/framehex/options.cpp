@@ -24,7 +24,7 @@ CLI::Validator in_range(double min, double max, const std::string& text) {
           if (value >= min && value <= max) return {};
         } catch (const std::exception&) {
         }
-        return word + " is not " + text;
+        return (word.find_first_not_of(" \t") == word.npos ? "nothing" : word) + " is not " + text;
       },
       text);
 }

@@ -79,7 +79,7 @@ void add_course(nlohmann::ordered_json& json, const framehex::QuadMeshing& resul
                     {"shrunk", s.n_shrunk_places},
                     {"unfolded", s.n_unfolded},
                     {"left_triangles", s.n_left_triangles}};
-  if (s.deviation > 0) json["deviation"] = s.deviation;
+  json["deviation"] = s.deviation;
   json["seconds"] = {{"preparation", t.preparation},
                      {"field", t.field},
                      {"insertion", t.insertion},
@@ -99,7 +99,7 @@ void print_summary(const framehex::QuadMesh& mesh, const framehex::verify::QuadQ
 }
 
 /// Where a result is less than what was asked for.
-std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& s) {
+std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& s, const char* input) {
   constexpr double far = 0.01;
   std::vector<std::string> texts;
   if (s.n_left_triangles > 0)
@@ -108,20 +108,59 @@ std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& 
   if (s.deviation > far) {
     std::array<char, 120> text{};
     std::snprintf(text.data(), text.size(),
-                  "the mesh is up to %.2f %% of the diagonal away from the surface: a smaller size comes nearer",
-                  100 * s.deviation);
+                  "the mesh is up to %.2f %% of the diagonal away from the %s: a smaller size comes nearer",
+                  100 * s.deviation, input);
     texts.emplace_back(text.data());
   }
   return texts;
 }
 
-/// What both commands do with a result. @return false: interrupted.
-bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
+/// Which polyline of an outline has a segment; nothing for one that none has.
+std::string polyline_of(const framehex::PlanarOutline& outline, framehex::index_t a, framehex::index_t b) {
+  for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
+    const auto row = outline.polyline(i);
+    for (std::size_t k = 1; k < row.size(); ++k)
+      if (std::minmax(row[k - 1], row[k]) == std::minmax(a, b))
+        return i < outline.loops.size() ? "loop " + std::to_string(i)
+                                        : "inner polyline " + std::to_string(i - outline.loops.size());
+  }
+  return {};
+}
+
+/// A curve by number and ends, with the polyline that it is of.
+std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t curve,
+                          const framehex::PlanarOutline* outline) {
+  const framehex::Surface& background = result.background;
+  const auto row = background.features.curves[curve];
+  const auto place = [&](framehex::index_t v) {
+    const framehex::Vector3& p = background.points[v];
+    std::array<char, 100> text{};
+    if (outline)
+      std::snprintf(text.data(), text.size(), "(%g, %g)", p.x(), p.y());
+    else
+      std::snprintf(text.data(), text.size(), "(%g, %g, %g)", p.x(), p.y(), p.z());
+    return std::string(text.data());
+  };
+  std::string text = "curve " + std::to_string(curve);
+  if (outline) {
+    // Vertices of the outline keep their numbers; those between them come after.
+    std::vector<framehex::index_t> given;
+    for (const framehex::index_t v : row)
+      if (v < outline->points.size() && given.size() < 2) given.push_back(v);
+    if (given.size() == 2)
+      if (const std::string polyline = polyline_of(*outline, given[0], given[1]); !polyline.empty())
+        text += " of " + polyline;
+  }
+  return text + ", from " + place(row.front()) + " to " + place(row.back()) + ",";
+}
+
+/// What both commands do with a result. @param outline  of a planar domain. @return false: interrupted.
+bool write_quads(const Options& options, const framehex::QuadMeshing& result, const framehex::PlanarOutline* outline) {
   if (result.status == framehex::Status::cancelled) return false;
   const framehex::verify::QuadQuality quality = framehex::verify::quad_quality(result.mesh);
   nlohmann::ordered_json json = report(result.mesh, quality);
   add_course(json, result);
-  const std::vector<std::string> shortcomings = shortcomings_of(result.statistics);
+  const std::vector<std::string> shortcomings = shortcomings_of(result.statistics, outline ? "outline" : "surface");
   if (!shortcomings.empty()) json["warnings"] = shortcomings;
   finish(json, options);
   write_crosses(options, result);
@@ -129,7 +168,7 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
                 {.cells = {{"scaled_jacobian", quality.scaled_jacobian}}, .points = {}}, json);
   end_progress();
   for (const framehex::index_t curve : result.statistics.lengthened_curves)
-    remark(options, "curve " + std::to_string(curve) + " has one interval more than the size asks for");
+    remark(options, name_of_curve(result, curve, outline) + " has one interval more than the size asks for");
   for (const std::string& text : shortcomings) remark(options, text);
   if (!options.quiet) {
     print_summary(result.mesh, quality);
@@ -139,25 +178,28 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result) {
 }
 
 template <class Mesh>
-bool mesh_quads(const Options& options, const framehex::Observer& observer, Mesh&& mesh) {
+bool mesh_quads(const Options& options, const framehex::Observer& observer, const framehex::PlanarOutline* outline,
+                Mesh&& mesh) {
   const framehex::QuadMeshingOptions meshing = meshing_options(options, observer);
   const framehex::ConstantSize size{*options.size};
-  return write_quads(options, options.match == "greedy" ? mesh(size, framehex::GreedyMatcher{}, meshing)
-                                                        : mesh(size, framehex::LemonMatcher{}, meshing));
+  return write_quads(options,
+                     options.match == "greedy" ? mesh(size, framehex::GreedyMatcher{}, meshing)
+                                               : mesh(size, framehex::LemonMatcher{}, meshing),
+                     outline);
 }
 
 }  // namespace
 
 bool plane(const Options& options, const framehex::Observer& observer) {
   const framehex::PlanarOutline outline = read_input_outline(options.input);
-  return mesh_quads(options, observer, [&](const auto& size, const auto& matcher, const auto& meshing) {
+  return mesh_quads(options, observer, &outline, [&](const auto& size, const auto& matcher, const auto& meshing) {
     return framehex::mesh_planar(outline, size, matcher, meshing);
   });
 }
 
 bool shell(const Options& options, const framehex::Observer& observer) {
   const framehex::SoupSurface soup = framehex::read_any_surface(options.input);
-  return mesh_quads(options, observer, [&](const auto& size, const auto& matcher, auto meshing) {
+  return mesh_quads(options, observer, nullptr, [&](const auto& size, const auto& matcher, auto meshing) {
     meshing.features.patches = soup.patches;
     return framehex::mesh_shell(soup.surface, size, matcher, meshing);
   });

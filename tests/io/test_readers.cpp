@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <fstream>
 #include <random>
 
 using namespace framehex;
@@ -433,6 +434,56 @@ TEST_CASE("files that are not what they should be are refused by name and place"
   CHECK(message("a.vtu", "<VTKFile type=\"UnstructuredGrid\">\n<a>\n</b></VTKFile>").starts_with("line 3: "));
   CHECK(message("a.vtu", "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkLZ4DataCompressor\"></VTKFile>")
             .starts_with("compressed by vtkLZ4DataCompressor"));
+}
+
+TEST_CASE("polygonal lines and polygonal data of VTK are read as the lines and faces they are made of",
+          "[regression]") {
+  const test::TemporaryFolder folder;
+  const std::string points = "POINTS 5 double\n0 0 0 2 0 0 2 1 0 0 1 0 1 .5 0\n";
+  const std::string head = "# vtk DataFile Version 5.1\nt\nASCII\nDATASET ";
+  const std::string cells = "5 0 1 2 3 0\n2 0 4\n";
+  const std::vector<std::array<index_t, 2>> lines{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}};
+  const auto xml = [](const std::string& of_points, const std::string& corners, const std::string& types,
+                      const std::string& offsets) {
+    const auto array = [](const char* name, const char* type, const std::string& text, int n) {
+      return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+             std::to_string(n) + "\" format=\"ascii\">" + text + "</DataArray>";
+    };
+    return "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid><Piece "
+           "NumberOfPoints=\"5\" NumberOfCells=\"2\"><Points>" +
+           array("Points", "Float64", of_points, 3) + "</Points><Cells>" + array("connectivity", "Int64", corners, 1) +
+           array("offsets", "Int64", offsets, 1) + array("types", "UInt8", types, 1) +
+           "</Cells></Piece></UnstructuredGrid></VTKFile>";
+  };
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"grid.vtk", head + "UNSTRUCTURED_GRID\n" + points + "CELLS 2 9\n" + cells + "CELL_TYPES 2\n4\n4\n"},
+      {"poly.vtk", head + "POLYDATA\n" + points + "LINES 2 9\n" + cells},
+      {"poly51.vtk", head + "POLYDATA\n" + points +
+                         "VERTICES 2 1\nOFFSETS vtktypeint64\n0 1\nCONNECTIVITY vtktypeint64\n4\nLINES 3 7\nOFFSETS "
+                         "vtktypeint64\n0 5 7\nCONNECTIVITY vtktypeint64\n0 1 2 3 0 0 4\n"},
+      {"grid.vtu", xml("0 0 0 2 0 0 2 1 0 0 1 0 1 .5 0", "0 1 2 3 0 0 4", "4 4", "5 7")}};
+  for (const auto& [name, text] : files) {
+    INFO(name);
+    std::ofstream(folder / name) << text;
+    const MixedMesh mesh = read_mesh(folder / name, {.volume = Volume::optional});
+    std::vector<std::array<index_t, 2>> found;
+    for (const LabelledEdge& edge : mesh.edges) found.push_back(edge.vertices);
+    CHECK(found == lines);
+    CHECK(mesh.faces.empty());
+  }
+  std::ofstream(folder / "faces.vtk") << head + "POLYDATA\n" + points +
+                                             "LINES 1 3\n2 0 4\nPOLYGONS 2 9\n4 0 1 2 3\n3 0 1 "
+                                             "4\nCELL_DATA 3\nSCALARS part int 1\nLOOKUP_TABLE default\n5 6 7\n";
+  const MixedMesh faces = read_mesh(folder / "faces.vtk", {.volume = Volume::optional});
+  REQUIRE(faces.faces.size() == 2);
+  CHECK(faces.faces[0].vertices == std::array<index_t, 4>{0, 1, 2, 3});
+  CHECK(faces.faces[1].vertices == std::array<index_t, 4>{0, 1, 4, no_index});
+  REQUIRE(faces.edges.size() == 1);
+  std::ofstream(folder / "strips.vtk") << head + "POLYDATA\n" + points + "TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n";
+  CHECK_THROWS_WITH(read_mesh(folder / "strips.vtk", {.volume = Volume::optional}),
+                    Contains("line 7: unexpected \"TRIANGLE_STRIPS\""));
+  std::ofstream(folder / "pentagon.vtk") << head + "POLYDATA\n" + points + "POLYGONS 1 6\n5 0 1 2 3 4\n";
+  CHECK_THROWS_WITH(read_mesh(folder / "pentagon.vtk", {.volume = Volume::optional}), Contains("is of VTK type 7"));
 }
 
 TEST_CASE("damaged files are refused or read, never worse", "[robustness]") {

@@ -105,7 +105,7 @@ TEST_CASE("every number of every options struct is refused outside its range, an
   CHECK(check_ranges<FeatureOptions>() == 3);
   CHECK(check_ranges<RefinementOptions>() == 1);
   CHECK(check_ranges<CrossFieldOptions>() == 4);
-  CHECK(check_ranges<RetriangulationOptions>() == 3);
+  CHECK(check_ranges<RetriangulationOptions>() == 4);
   CHECK(check_ranges<BoundaryFrameOptions>() == 1);
   CHECK(check_ranges<SmoothingOptions>() == 6);
   CHECK(check_ranges<DiffusionOptions>() == 4);
@@ -122,7 +122,7 @@ TEST_CASE("every number of every options struct is refused outside its range, an
   CHECK(check_ranges<OptimizationOptions>() == 3);
   CHECK(check_ranges<RecombineOptions>() == 12);
   CHECK(check_ranges<LatticeOptions>() == 19);
-  CHECK(check_ranges<MeshingOptions>() == 77);
+  CHECK(check_ranges<MeshingOptions>() == 78);
 }
 
 TEST_CASE("every stage refuses numbers outside their range") {

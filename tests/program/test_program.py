@@ -973,7 +973,9 @@ class TestQuadrilaterals(Case):
         meshio.write_points_cells(self.path("a.vtu"), np.array(points, float), [("line", np.array(lines))])
         meshio.write_points_cells(self.path("a.msh"), np.array(points, float), [("line", np.array(lines))],
                                   file_format="gmsh22")
-        for name in ("a.vtk", "a.obj", "a.vtu", "a.msh"):
+        poly = vtk[:vtk.index("CELLS")].replace("UNSTRUCTURED_GRID", "POLYDATA") + "LINES 1 6\n5 0 1 2 3 0\n"
+        self.outline(poly, "poly.vtk")
+        for name in ("a.vtk", "a.obj", "a.vtu", "a.msh", "poly.vtk"):
             with self.subTest(name=name):
                 result = self.plane(self.path(name), "--quiet")
                 self.assertEqual(result.returncode, 0, result)
@@ -982,7 +984,26 @@ class TestQuadrilaterals(Case):
     def test_an_interval_more_is_reported(self):
         result = self.run_program("plane", self.outline("0 0\n3 0\n1.2 2.4\n"), "-o", self.path("out.vtu"), "--size", 0.5)
         self.assertEqual(result.returncode, 0, result)
-        self.assertIn("has one interval more", result.stderr)
+        self.assertRegex(result.stderr, r"curve \d of loop 0, from \([^)]+\) to \([^)]+\), has one interval more")
+
+    def test_how_far_the_mesh_is_from_its_outline_is_told(self):
+        angle = 2 * np.pi * np.arange(200) / 200
+        outline = self.outline("".join(f"{np.cos(a)} {np.sin(a)}\n" for a in angle))
+        result = self.run_program("plane", outline, "-o", self.path("out.vtu"), "--size", 3, "--report", self.path("r.json"))
+        self.assertEqual(result.returncode, 0, result)
+        self.assertNotIn("away from", result.stderr)
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertLess(report["deviation"], 0.01)
+        self.assertGreater(report["deviation"], 0.001)
+        self.assertGreater(report["points"]["shrunk"], 0)
+
+    def test_an_empty_size_is_refused_with_words(self):
+        for word in ("--size=", "--size= "):
+            result = self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("out.vtu"), word)
+            self.assertEqual(result.returncode, 2, result)
+            self.assertRegex(result.stderr, r"--size: (1 required H|\S.* is not a positive number)")
+        result = self.run_program("plane", self.outline(self.SQUARE), "-o", self.path("out.vtu"), "--size", "")
+        self.assertIn("--size: nothing is not a positive number", result.stderr)
 
     def test_greedy_leaves_triangles(self):
         result = self.plane(self.outline("0 0\n3 0\n1.2 2.4\n"), "--match", "greedy", "--quiet")
@@ -1049,13 +1070,13 @@ class TestQuadrilaterals(Case):
                 self.assertEqual(json.loads((self.folder / "out.json").read_text())["counts"]["quadrilaterals"], n)
 
     def test_bad_outlines(self):
-        for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segments (2, 3) and (0, 1) cross",)),
+        for text, words in (("0 0\n1 1\n1 0\n0 1\n", ("segment (2, 3) of loop 0 and segment (0, 1) of loop 0 cross",)),
                             ("0 0\n1 0\n1 zero\n", ("line 3", "a coordinate")),
                             ("0 0\n1 nan\n1 1\n", ("vertex 1", "not finite")),
                             ("\n# nothing\n", ("holds no line",)),
                             ("0 0\n1 0\n1 1\n\ninner\n2 2\n3 3\n", ("polyline 1 lies outside",)),
                             ("inner\n0 0\n1 1\n", ("no loop",)),
-                            ("0 0\n4 0\n4 4\n0 4\n\n1 0\n2 1\n1 1\n", ("vertex 4 lies on segment (0, 1)",))):
+                            ("0 0\n4 0\n4 4\n0 4\n\n1 0\n2 1\n1 1\n", ("vertex 4 of loop 1 lies on segment (0, 1) of loop 0",))):
             with self.subTest(text=text):
                 self.check_refused(self.plane(self.outline(text)), "loops.txt", *words)
         obj = self.outline("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n", "open.obj")

@@ -4,6 +4,7 @@
 #include "framehex/io/triangle_soup.hpp"
 #include "framehex/pipeline/mesh_planar.hpp"
 #include "framehex/pipeline/mesh_shell.hpp"
+#include "framehex/verify/quad_quality.hpp"
 
 #include "support/outlines.hpp"
 #include "support/quad_checks.hpp"
@@ -168,5 +169,130 @@ TEST_CASE("shells: of a one-sided surface two triangles are named that run the s
         for (std::size_t i = 0; i < 3; ++i) sides.insert({file.triangles[t][i], file.triangles[t][(i + 1) % 3]});
       CHECK(sides.size() == 5);  // one of six is there twice
     }
+  }
+}
+
+TEST_CASE("shells: vertices of a curve next to the same point are refused as an outline's are, both named",
+          "[regression]") {
+  for (const double apart : {1e-9, 1e-10, 1e-13}) {
+    CAPTURE(apart);
+    const std::vector<Vector3> points{{0, 0, 0}, {1, 0, 0}, {1, apart, 0}, {1, 1, 0}, {0, 1, 0}};
+    PlanarOutline outline;
+    for (const Vector3& p : points) outline.points.emplace_back(p.x(), p.y());
+    outline.loops.values = {0, 1, 2, 3, 4, 0};
+    outline.loops.end_row();
+    const IndexedTriangleMesh shell{points, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}};
+    const auto refused = [](const auto& mesh) {
+      try {
+        mesh();
+      } catch (const error& e) {
+        CHECK(e.entity() == Entity::vertex);
+        return e.indices();
+      }
+      FAIL("was meshed");
+      return std::vector<std::size_t>{};
+    };
+    const auto named = refused([&] { mesh_planar(outline, ConstantSize{0.2}, LemonMatcher{}); });
+    CHECK(std::set(named.begin(), named.end()) == std::set<std::size_t>{1, 2});
+    CHECK(refused([&] { mesh_shell(shell, ConstantSize{0.2}, LemonMatcher{}); }) == std::vector<std::size_t>{1, 2});
+  }
+  // What both can do is not refused.
+  const IndexedTriangleMesh near{{{0, 0, 0}, {1, 0, 0}, {1, 1e-6, 0}, {1, 1, 0}, {0, 1, 0}},
+                                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}};
+  CHECK(mesh_shell(near, ConstantSize{0.2}, LemonMatcher{}).mesh.n_triangles() == 0);
+}
+
+TEST_CASE("shells: a triangle without area is refused by number on a rim, and does no harm elsewhere", "[regression]") {
+  for (const double height : {0.0, 1e-12, 1e-9}) {
+    CAPTURE(height);
+    // Its corner 2 lies on the rim (0, 1).
+    const IndexedTriangleMesh rim{{{0, 0, 0}, {1, 0, 0}, {0.5, height, 0}, {0, 1, 0}, {1, 1, 0}},
+                                  {{3, 0, 2}, {0, 1, 2}, {2, 1, 4}, {2, 4, 3}}};
+    try {
+      mesh_shell(rim, ConstantSize{0.5}, LemonMatcher{});
+      FAIL("was meshed");
+    } catch (const invalid_surface& e) {
+      CHECK(e.entity() == Entity::triangle);
+      CHECK(e.indices() == std::vector<std::size_t>{1});
+    }
+    const IndexedTriangleMesh inside{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5 + height, 0}},
+                                     {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
+    const QuadMeshing meshed = mesh_shell(inside, ConstantSize{0.25}, LemonMatcher{});
+    CHECK(meshed.mesh.n_triangles() == 0);
+    CHECK(area(meshed.mesh) == Approx(1));
+  }
+}
+
+TEST_CASE("the indices add up to the characteristic where rims touch and where sheets meet", "[regression]") {
+  const auto check = [](const QuadMesh& mesh, int characteristic) {
+    const verify::QuadQuality quality = verify::quad_quality(mesh);
+    CHECK(quality.n_triangles == 0);
+    CHECK(quality.euler_characteristic == characteristic);
+    CHECK(quality.index_sum == 4 * characteristic);
+  };
+  const auto planar = [](const std::string& lines) {
+    return mesh_planar(text(lines), ConstantSize{0.1}, LemonMatcher{}).mesh;
+  };
+  const std::string box = "0 0\n1 0\n2 0\n2 1\n1 1\n0 1\n\n";
+  // A vertex that loops touch in counts for each of the fans that it lies in: as if the loops were a bit apart there.
+  check(planar(box + "1 0\n1.2 .3\n.8 .3\n"), 1);                          // a dent
+  check(planar(box + "1 0\n1.3 .5\n1 1\n.7 .5\n"), 2);                     // two parts
+  check(planar(box + ".5 .5\n.8 .3\n.8 .7\n\n.8 .3\n1.2 .5\n1 .2\n"), 0);  // two holes, as one
+  check(planar("0 0\n1 0\n1 1\n0 1\n\n1 1\n2 1\n2 2\n1 2\n"), 2);          // corner to corner
+  check(planar("0 0\n1 0\n1 1\n0 1\n\n2 0\n3 0\n3 1\n2 1\n"), 2);          // apart
+  // Three sheets at an edge.
+  const IndexedTriangleMesh fin{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}},
+                                {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
+  check(mesh_shell(fin, ConstantSize{0.25}, LemonMatcher{}).mesh, 1);
+  const IndexedTriangleMesh bow{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
+  check(mesh_shell(bow, ConstantSize{0.25}, LemonMatcher{}).mesh, 2);
+  // A closed body with a wall across.
+  QuadMesh cells;
+  cells.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0},
+                  {0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {0, 1, 1}, {1, 1, 1}, {2, 1, 1}};
+  cells.cells = {{0, 3, 4, 1},  {1, 4, 5, 2},   {6, 7, 10, 9}, {7, 8, 11, 10}, {0, 1, 7, 6}, {1, 2, 8, 7},
+                 {3, 9, 10, 4}, {4, 10, 11, 5}, {0, 6, 9, 3},  {2, 5, 11, 8},  {1, 4, 10, 7}};
+  check(cells, 3);  // of two spheres that share a disc: 2 + 2 - 1
+}
+
+TEST_CASE("regions given as loops with a side in common: the error tells how to give them", "[regression]") {
+  try {
+    triangulate_outline(text("0 0\n1 0\n1 1\n0 1\n\n1 0\n2 0\n2 1\n1 1\n"));
+    FAIL("was taken");
+  } catch (const invalid_outline& e) {
+    CHECK(e.entity() == Entity::edge);
+    const std::string what = e.what();
+    for (const char* const words : {"(2, 1)", "loop 0", "loop 1", "twice", "`inner`"}) {
+      CAPTURE(what, words);
+      CHECK(what.find(words) != std::string::npos);
+    }
+  }
+  // What it tells is right.
+  check_domain(text("0 0\n1 0\n2 0\n2 1\n1 1\n0 1\n\ninner\n1 0\n1 1\n"), 0.2, 2, 1, 2);
+}
+
+TEST_CASE("errors about segments name the loops that have them", "[regression]") {
+  const auto message = [](const std::string& lines) {
+    try {
+      triangulate_outline(text(lines));
+    } catch (const invalid_outline& e) {
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  const std::string box = "0 0\n4 0\n4 4\n0 4\n\n";
+  CHECK(message(box + "1 1\n5 1\n1 2\n") == "segment (4, 5) of loop 1 and segment (1, 2) of loop 0 cross");
+  CHECK(message(box + "1 0\n2 1\n1 1\n") == "vertex 4 of loop 1 lies on segment (0, 1) of loop 0");
+  CHECK(message(box + "inner\n1 1\n5 1\n") == "segment (4, 5) of inner polyline 0 and segment (1, 2) of loop 0 cross");
+}
+
+TEST_CASE("thin rectangles are cut across, and no finer than the size", "[regression]") {
+  for (const double width : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
+    CAPTURE(width);
+    const QuadMeshing result = mesh_planar(one_loop(rectangle(1, width)), ConstantSize{0.2}, LemonMatcher{});
+    CHECK(result.mesh.cells.size() == 5);
+    const verify::QuadQuality quality = verify::quad_quality(result.mesh);
+    CHECK(quality.n_triangles == 0);
+    CHECK(quality.least == Approx(1));
   }
 }

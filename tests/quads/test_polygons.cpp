@@ -9,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <ctime>
+
 using namespace framehex;
 using namespace framehex::test;
 
@@ -74,7 +76,7 @@ TEST_CASE("a chamfer between long sides stays, the points of a smooth curve do n
     CHECK(result.background.features.corners.empty());
   }
   // A regular polygon of sides that are shorter than the size is a curve.
-  CHECK(planar(circle({0, 0}, 1, 24), 0.4).background.features.corners.empty());
+  CHECK(planar(circle({0, 0}, 1, 24), 0.3).background.features.corners.empty());
 }
 
 TEST_CASE("the angles that make corners can be asked for") {
@@ -142,4 +144,14 @@ TEST_CASE("shells at sizes beyond the body are near it all the same") {
     }
     CHECK(1 - lowest < 0.013 * 2 * std::sqrt(3.0));
   }
+}
+
+TEST_CASE("shells of no wished size to speak of are not improved before they are fine enough", "[regression]") {
+  // Improvement of eight cells for a torus took half a minute, of what was thrown away.
+  const auto seconds = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const double begin = seconds();
+  const QuadMeshing result = mesh_shell(torus_surface(1, 0.4, 40, 20), ConstantSize{1000}, LemonMatcher{});
+  CHECK(seconds() - begin < 4);
+  CHECK(result.mesh.n_triangles() == 0);
+  CHECK(result.statistics.deviation < 0.01);
 }

@@ -20,7 +20,9 @@ public:
     read_header();
     while (read_section(in_.word())) {
     }
-    if (!has_cells()) in_.fail("the file ends without POINTS, CELLS and CELL_TYPES");
+    if (!has_cells())
+      in_.fail(is_poly_data_ ? "the file ends without POINTS, LINES and POLYGONS"
+                             : "the file ends without POINTS, CELLS and CELL_TYPES");
     if (types_.size() != rows_.size()) in_.fail("CELLS and CELL_TYPES differ in number");
     std::vector<CellArrayName> names;
     for (const auto& array : arrays_) names.push_back(array.name);
@@ -48,9 +50,11 @@ private:
   bool read_section(std::string_view keyword) {
     if (keyword == "POINTS")
       read_points();
-    else if (keyword == "CELLS")
-      read_cells();
-    else if (keyword == "CELL_TYPES")
+    else if (is_poly_data_ && (keyword == "VERTICES" || keyword == "LINES" || keyword == "POLYGONS"))
+      read_poly_data(keyword);
+    else if (keyword == "CELLS" && !is_poly_data_)
+      rows_ = read_rows();
+    else if (keyword == "CELL_TYPES" && !is_poly_data_)
       read_types();
     else if (keyword == "METADATA")
       pass_metadata();
@@ -226,7 +230,11 @@ private:
     const std::string_view encoding = in_.word();
     if (encoding != "ASCII" && encoding != "BINARY") in_.fail("neither ASCII nor BINARY");
     binary_ = encoding == "BINARY";
-    if (in_.word() != "DATASET" || in_.word() != "UNSTRUCTURED_GRID") in_.fail("not an unstructured grid");
+    const bool has_kind = in_.word() == "DATASET";
+    const std::string_view kind = in_.word();
+    is_poly_data_ = kind == "POLYDATA";
+    if (!has_kind || (!is_poly_data_ && kind != "UNSTRUCTURED_GRID"))
+      in_.fail("neither an unstructured grid nor polygonal data");
   }
 
   template <class Stored, class Value>
@@ -271,24 +279,43 @@ private:
     for (std::size_t i = 0; i < n; ++i) builder_.add_point(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
   }
 
-  void read_cells() {
+  /// Cells of polygonal data, whose types are those that they have in a grid.
+  void read_poly_data(std::string_view keyword) {
+    const auto type_of = [&](std::size_t n_corners) -> vtk::CellType {
+      if (keyword == "LINES") return vtk::poly_line;
+      if (keyword == "VERTICES") return vtk::poly_vertex;
+      return n_corners == 3 ? vtk::triangle : n_corners == 4 ? vtk::quad : vtk::polygon;
+    };
+    const Csr<std::int64_t> rows = read_rows();
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      const auto row = rows[c];
+      rows_.values.insert(rows_.values.end(), row.begin(), row.end());
+      rows_.end_row();
+      types_.push_back(type_of(row.size()));
+    }
+  }
+
+  Csr<std::int64_t> read_rows() {
     const std::size_t n = in_.count("the number of cells", 1);
     const std::size_t size = in_.count("the size of the cells", 1);
     in_.line();
-    if (in_.peek_word() == "OFFSETS") return read_cells_with_offsets(n, size);
+    if (in_.peek_word() == "OFFSETS") return read_rows_with_offsets(n, size);
+    Csr<std::int64_t> rows;
     const std::vector<std::int64_t> list = integers(size, "int");
     std::size_t at = 0;
     for (std::size_t c = 0; c < n; ++c) {
       if (at >= size || list[at] < 0 || static_cast<std::size_t>(list[at]) > size - at - 1)
         in_.fail("CELLS ends within cell " + std::to_string(c));
       const auto corners = static_cast<std::size_t>(list[at++]);
-      for (std::size_t i = 0; i < corners; ++i) rows_.values.push_back(list[at++]);
-      rows_.end_row();
+      for (std::size_t i = 0; i < corners; ++i) rows.values.push_back(list[at++]);
+      rows.end_row();
     }
+    return rows;
   }
 
   // Version 5: n counts the offsets, one more than the cells.
-  void read_cells_with_offsets(std::size_t n, std::size_t size) {
+  Csr<std::int64_t> read_rows_with_offsets(std::size_t n, std::size_t size) {
+    Csr<std::int64_t> rows;
     in_.word();
     const std::string_view offset_type = in_.word();
     in_.line();
@@ -297,12 +324,13 @@ private:
     if (in_.word() != "CONNECTIVITY") in_.fail("CONNECTIVITY should stand here");
     const std::string_view type = in_.word();
     in_.line();
-    rows_.values = integers(size, type);
+    rows.values = integers(size, type);
     for (std::size_t c = 0; c < n; ++c)
       if (offsets[c] < (c == 0 ? 0 : offsets[c - 1]) || offsets[c] > static_cast<std::int64_t>(size))
         in_.fail("the offset of cell " + std::to_string(c) + " is out of range");
-    rows_.offsets.assign(offsets.begin(), offsets.end());
-    if (rows_.offsets.empty()) rows_.offsets.push_back(0);
+    rows.offsets.assign(offsets.begin(), offsets.end());
+    if (rows.offsets.empty()) rows.offsets.push_back(0);
+    return rows;
   }
 
   void read_types() {
@@ -313,7 +341,7 @@ private:
 
   Cursor in_;
   MeshBuilder builder_;
-  bool binary_ = false;
+  bool binary_ = false, is_poly_data_ = false;
   Csr<std::int64_t> rows_;
   std::vector<std::int64_t> types_;
   std::optional<std::size_t> n_rows_;  // of CELL_DATA or POINT_DATA, within them
@@ -325,7 +353,8 @@ private:
 
 }  // namespace detail
 
-/// Reads an unstructured grid in VTK's legacy format, text or binary, of versions 1 to 5.1.
+/// Reads an unstructured grid, or polygonal data without strips, in VTK's legacy format, text or binary, of versions 1 to
+/// 5.1.
 ///
 /// @param options  which array by cell holds the labels.
 /// @param notes    what else was found, when not null.

@@ -77,7 +77,7 @@ public:
     names_.push_back({dimension, group, label, name});
   }
 
-  /// Adds a cell by VTK's type; vertices and polygonal lines are passed over.
+  /// Adds a cell by VTK's type, of a polygonal line each of its lines; vertices are passed over.
   void add_vtk(std::int64_t type, std::span<const std::int64_t> corners, std::int64_t label, std::size_t number) {
     const auto expect = [&](std::size_t n) {
       if (corners.size() != n)
@@ -87,8 +87,10 @@ public:
     };
     switch (type) {
       case vtk::vertex:
-      case vtk::poly_vertex:
-      case vtk::poly_line: return;
+      case vtk::poly_vertex: return;
+      case vtk::poly_line:
+        for (std::size_t i = 1; i < corners.size(); ++i) add(1, {}, corners.subspan(i - 1, 2), label, number);
+        return;
       case vtk::line: expect(2); return add(1, {}, corners, label, number);
       case vtk::triangle: expect(3); return add(2, {}, corners, label, number);
       case vtk::quad: expect(4); return add(2, {}, corners, label, number);

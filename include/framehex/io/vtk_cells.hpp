@@ -17,6 +17,7 @@ enum CellType : std::uint8_t {
   line = 3,
   poly_line = 4,
   triangle = 5,
+  polygon = 7,
   pixel = 8,
   quad = 9,
   tetrahedron = 10,

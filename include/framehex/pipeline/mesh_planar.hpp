@@ -13,7 +13,8 @@ namespace framehex {
 ///
 /// Vertices of the outline where it bends by more than `features.corner_angle`, or by less but between straight parts
 /// longer than the size (`QuadMeshingOptions::bends`), are vertices of the mesh; between them curves have points at the
-/// mesh's own distances.
+/// mesh's own distances, smaller where the sides would be too far from the outline
+/// (`RetriangulationOptions::max_deviation`; infinite: nowhere), and the result tells how far they are.
 ///
 /// @param outline  loops in any direction, holes, inner polylines; see `PlanarOutline`. Coordinates in the host's unit.
 /// @param size     wished edge length at a point: a callable `double(const Vector3&)` > 0, host's unit.
@@ -30,8 +31,11 @@ QuadMeshing mesh_planar(const PlanarOutline& outline, const Size& size, const Ma
                         const QuadMeshingOptions& options = {}) {
   check_options(options);
   if (!std::isfinite(outline.z)) throw invalid_coordinate("z of the outline is not finite");
+  QuadMeshingOptions planar = options;
+  // As thin as strips may be: the outline's vertices on them are to go all the same.
+  planar.retriangulation.least_shape = std::min(planar.retriangulation.least_shape, detail::least_curve_distance);
   QuadMeshing result =
-      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, options);
+      detail::mesh_quads(triangulate_outline(outline).surface(options.features), size, matcher, planar);
   for (Vector3& p : result.mesh.points) p.z() = outline.z;
   for (Vector3& p : result.background.points) p.z() = outline.z;
   return result;

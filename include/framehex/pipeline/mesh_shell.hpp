@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/geometry/bounding_box.hpp"
+#include "framehex/geometry/triangle_distance.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/pipeline/detail/mesh_quads.hpp"
+#include "framehex/surface/detail/least_distance.hpp"
+
+#include <sstream>
 
 namespace framehex {
 
@@ -45,6 +50,38 @@ inline void check_no_twins(std::span<const std::array<index_t, 3>> triangles) {
   }
 }
 
+/// Refuses what an outline may not have either: vertices of a curve that are next to the same point, and a surface that is
+/// next to nothing between a rim and a vertex. Flat triangles elsewhere do no harm.
+inline void check_separation(const Surface& surface) {
+  const TriangleAdjacency& a = surface.adjacency;
+  const double least = least_curve_distance * bounding_box(surface.points).diagonal().norm();
+  const auto text = [](const std::string& what, double distance) {
+    std::ostringstream out;
+    out << what << distance << " apart, less than " << least_curve_distance << " of the surface's diagonal";
+    return out.str();
+  };
+  for (index_t h = 0; h < a.opposite.size(); ++h) {
+    if (!surface.features.is_feature[h]) continue;
+    const index_t v = a.from(h), w = a.to(h);
+    if (const double length = (surface.points[w] - surface.points[v]).norm(); length < least)
+      throw invalid_surface(
+          text("vertices " + std::to_string(v) + " and " + std::to_string(w) + " of a curve are ", length),
+          Entity::vertex, {v, w});
+  }
+  for (index_t h = 0; h < a.opposite.size(); ++h) {
+    if (a.opposite[h] != no_index) continue;
+    const index_t v = a.from(h), w = a.to(h);
+    const Vector3 &p = surface.points[v], &q = surface.points[w],
+                  &apex = surface.points[a.to(TriangleAdjacency::next(h))];
+    const double height = (p + nearest_on_segment(apex, p, q) * (q - p) - apex).norm();
+    if (height < least)
+      throw invalid_surface(text("triangle " + std::to_string(h / 3) + " on a rim is flat: its corner and its side (" +
+                                     std::to_string(v) + ", " + std::to_string(w) + ") are ",
+                                 height),
+                            Entity::triangle, {h / 3});
+  }
+}
+
 }  // namespace detail
 
 /// From a triangulated surface, open or closed, to quadrilaterals that follow it and its features.
@@ -59,8 +96,9 @@ inline void check_no_twins(std::span<const std::array<index_t, 3>> triangles) {
 /// @return cells that turn one way at all corners, seen against the surface's normal; vertices on its triangles, those
 ///         of feature curves on their edges.
 /// @throws invalid_coordinate, invalid_connectivity (two triangles of the same vertices too), open_surface (no triangles),
-///         nonmanifold  with two triangles that run along their edge the same way; invalid_surface  with three vertices
-///         near which no cell fits; invalid_option, invalid_field.
+///         nonmanifold  with two triangles that run along their edge the same way; invalid_surface  with two vertices of a
+///         curve or a triangle on a rim that are nearer to each other, or flatter, than 1e-8 of the diagonal, or with three
+///         vertices near which no cell fits; invalid_option, invalid_field.
 /// @par Complexity   about O(n log n) in the number of points, beside the matcher's.
 /// @par Determinism  The same everywhere up to rounding.
 /// @par Source       as `mesh_planar`.
@@ -72,6 +110,7 @@ QuadMeshing mesh_shell(const M& surface, const Size& size, const Match& matcher,
   Surface input(surface, options.features);
   detail::check_no_twins(input.triangles());
   detail::check_orientation(input);
+  detail::check_separation(input);
   return detail::mesh_quads(input, size, matcher, options);
 }
 

@@ -90,7 +90,8 @@ struct QuadMeshingStatistics {
   std::size_t n_unfolded = 0;
   /// Triangles of the mesh where no attempt left convex quadrilaterals alone; otherwise 0.
   std::size_t n_left_triangles = 0;
-  /// Of a shell: greatest distance found between background and mesh, both ways, over the diagonal of the input's box.
+  /// Greatest distance found between curves and the sides along them, and of a shell that is not flat between background
+  /// and mesh, both ways, over the diagonal of the input's box.
   double deviation = 0;
 };
 

@@ -20,6 +20,10 @@ struct QuadImprovementOptions {
   int rounds = 4;    ///< 0 to 1000; of changes of the connectivity, each with smoothing after it
   int sweeps = 30;   ///< 0 to 10000; most sweeps of a smoothing
   double bad = 0.4;  ///< 0 to 1; cells of a lower scaled Jacobian are mended by any change that makes them better
+  /// In diagonals of the box round the surface, > 0: how far a side along a curve may come to be from it when its ends
+  /// slide, yet no farther than a twentieth of the side; or as far as the worst side given of that curve. Infinite: the
+  /// twentieth alone counts.
+  double max_deviation = 0.0075;
   Observer observer = {};
 
   template <class Options, class Visit>
@@ -27,6 +31,7 @@ struct QuadImprovementOptions {
     visit("QuadImprovementOptions::rounds", o.rounds, 0, 1000);
     visit("QuadImprovementOptions::sweeps", o.sweeps, 0, 10'000);
     visit("QuadImprovementOptions::bad", o.bad, 0, 1);
+    visit("QuadImprovementOptions::max_deviation", o.max_deviation, least_positive, unbounded);
   }
 };
 
@@ -50,7 +55,7 @@ public:
       : mesh_(mesh),
         options_(options),
         quads_(mesh),
-        smoother_(settled(quads_, carriers)),
+        smoother_(settled(quads_, carriers, options.max_deviation)),
         cleaner_(quads_, smoother_) {}
 
   QuadImprovement run() {
@@ -68,8 +73,8 @@ private:
   static constexpr double least_move = 5e-3;     ///< of a mean edge; what moves less is at rest
   static constexpr double nearly_folded = 0.05;  ///< scaled Jacobian
 
-  static QuadSmoother settled(EditableQuads& quads, const FeatureCarriers& carriers) {
-    QuadSmoother smoother(quads, carriers);
+  static QuadSmoother settled(EditableQuads& quads, const FeatureCarriers& carriers, double max_deviation) {
+    QuadSmoother smoother(quads, carriers, max_deviation);
     smoother.settle();
     return smoother;
   }

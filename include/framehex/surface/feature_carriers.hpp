@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/surface/detail/segment_locator.hpp"
+#include "framehex/geometry/bounding_box.hpp"
+#include "framehex/surface/detail/curve_line.hpp"
 #include "framehex/surface/detail/triangle_normals.hpp"
 #include "framehex/surface/surface.hpp"
 #include "framehex/surface/surface_locator.hpp"
-
-#include <limits>
 
 namespace framehex {
 
@@ -18,6 +17,12 @@ public:
   /// A point of a patch and the patch's normal there, of unit length.
   struct PatchPoint {
     Vector3 point, normal;
+  };
+
+  /// A point of a curve and how far it is from what was asked for, in the unit of the coordinates.
+  struct CurvePoint {
+    Vector3 point;
+    double distance;
   };
 
   FeatureCarriers() = default;
@@ -39,13 +44,8 @@ public:
       planes_.push_back(plane_of(patches[p], normals_[p]));
       patches_.emplace_back(patches[p]);
     }
-    for (std::size_t c = 0; c < features.curves.size(); ++c) {
-      std::vector<detail::Segment> curve;
-      const auto row = features.curves[c];
-      for (std::size_t i = 1; i < row.size(); ++i)
-        curve.push_back({surface.points[row[i - 1]], surface.points[row[i]]});
-      curves_.emplace_back(std::move(curve));
-    }
+    for (std::size_t c = 0; c < features.curves.size(); ++c) curves_.emplace_back(surface.points, features.curves[c]);
+    if (!surface.points.empty()) diagonal_ = bounding_box(surface.points).diagonal().norm();
   }
 
   std::size_t n_patches() const { return patches_.size(); }
@@ -64,10 +64,16 @@ public:
   Vector3 within_patch(index_t patch, const Vector3& p) const { return patches_[patch].nearest(p).point; }
 
   /// Nearest point of a curve.
-  Vector3 onto_curve(index_t curve, const Vector3& p) const {
-    const auto nearest = curves_[curve].nearest_within(p, std::numeric_limits<double>::infinity());
-    return nearest ? nearest->point : p;
+  Vector3 onto_curve(index_t curve, const Vector3& p) const { return curves_[curve].nearest(p); }
+
+  /// Where a curve is farthest from the chord of two points of it; of a closed curve, along the shorter way.
+  /// @par Complexity   O(log n) and the curve's vertices between them.
+  CurvePoint farthest_from_chord(index_t curve, const Vector3& a, const Vector3& b) const {
+    const auto found = curves_[curve].farthest(a, b);
+    return {found.place, found.distance};
   }
+
+  double diagonal() const { return diagonal_; }  ///< of the box round the surface
 
 private:
   struct Plane {
@@ -93,7 +99,8 @@ private:
   std::vector<SurfaceLocator> patches_;
   std::vector<std::vector<Vector3>> normals_;  ///< of the patches' triangles
   std::vector<Plane> planes_;
-  std::vector<detail::SegmentLocator> curves_;
+  std::vector<detail::CurveLine> curves_;
+  double diagonal_ = 0;
 };
 
 }  // namespace framehex

@@ -3,6 +3,8 @@
 
 #include "framehex/mesh/validation.hpp"
 #include "framehex/surface/detail/constrained_delaunay.hpp"
+#include "framehex/surface/detail/least_distance.hpp"
+#include "framehex/surface/detail/outline_names.hpp"
 #include "framehex/surface/planar_outline.hpp"
 
 #include <sstream>
@@ -201,52 +203,17 @@ inline void check_outline(const PlanarOutline& outline) {
   }
 }
 
-/// Distances in an outline, over its diagonal, that are too small to mesh by coordinates that round.
-inline constexpr double least_outline_distance = 1e-8;
-
-/// Vertices and segments of an outline by name, with the polyline that has them.
-class OutlineNames {
-public:
-  explicit OutlineNames(const PlanarOutline& outline) : outline_(outline) {}
-
-  std::string vertex(index_t v) const {
-    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
-      const auto row = outline_.polyline(i);
-      if (std::find(row.begin(), row.end(), v) != row.end())
-        return "vertex " + std::to_string(v) + " of " + polyline(i);
-    }
-    return "vertex " + std::to_string(v);
-  }
-  std::string segment(index_t a, index_t b) const {
-    const std::string name = "segment (" + std::to_string(a) + ", " + std::to_string(b) + ")";
-    for (std::size_t i = 0; i < outline_.n_polylines(); ++i) {
-      const auto row = outline_.polyline(i);
-      for (std::size_t k = 1; k < row.size(); ++k)
-        if (std::minmax(row[k - 1], row[k]) == std::minmax(a, b)) return name + " of " + polyline(i);
-    }
-    return name;
-  }
-
-private:
-  std::string polyline(std::size_t i) const {
-    const std::size_t n_loops = outline_.loops.size();
-    return i < n_loops ? "loop " + std::to_string(i) : "inner polyline " + std::to_string(i - n_loops);
-  }
-  const PlanarOutline& outline_;
-};
-
 /// Refuses vertices that are next to the same point, and a domain that is next to nothing between a vertex and a
 /// segment: neighbours in a Delaunay triangulation both.
 inline void check_separation(const PlanarOutline& outline, const ConstrainedDelaunay& delaunay,
                              const OutlineTriangulation& result) {
   Eigen::AlignedBox2d box;
   for (const Vector2& p : outline.points) box.extend(p);
-  const double least = least_outline_distance * box.diagonal().norm();
+  const double least = least_curve_distance * box.diagonal().norm();
   const OutlineNames names(outline);
   const auto refuse = [&](const std::string& what, double distance, std::vector<std::size_t> vertices) {
     std::ostringstream text;
-    text << what << " are " << distance << " apart, less than " << least_outline_distance
-         << " of the outline's diagonal";
+    text << what << " are " << distance << " apart, less than " << least_curve_distance << " of the outline's diagonal";
     throw invalid_outline(text.str(), Entity::vertex, std::move(vertices));
   };
   const EditableSurface& mesh = delaunay.mesh();
@@ -283,7 +250,8 @@ inline OutlineTriangulation triangulate_outline(const PlanarOutline& outline) {
   for (const Vector2& p : outline.points) flat.points.emplace_back(p.x(), p.y(), 0);
   detail::check_coordinates(flat);
   detail::check_outline(outline);
-  detail::ConstrainedDelaunay delaunay(flat.points);
+  const detail::OutlineNames names(outline);
+  detail::ConstrainedDelaunay delaunay(flat.points, names);
   delaunay.insert_points();
   for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
     const auto row = outline.polyline(i);

@@ -30,6 +30,9 @@ struct RetriangulationOptions {
   /// In diagonals of the input's bounding box, > 0: vertices of the input that would lie farther from the result come
   /// back, unless that is less than 0.4 of the edges there. Infinite: none does.
   double max_deviation = 0.0075;
+  /// > 0 to 1e-4: area over squared edges, 1 for an equilateral triangle, of the worst triangle that is made to be rid of
+  /// a vertex of the input. In a plane, where no triangle is too thin to have a normal, much less does no harm.
+  double least_shape = 1e-4;
   int repair_rounds = 12;  ///< >= -1; cuts against self-intersections; -1: do not even look for them
   Observer observer{};
 
@@ -37,6 +40,7 @@ struct RetriangulationOptions {
   static void each_number(Options& o, Visit&& visit) {
     visit("RetriangulationOptions::max_bend", o.max_bend, least_positive, std::numbers::pi);
     visit("RetriangulationOptions::max_deviation", o.max_deviation, least_positive, unbounded);
+    visit("RetriangulationOptions::least_shape", o.least_shape, least_positive, 1e-4);
     visit("RetriangulationOptions::repair_rounds", o.repair_rounds, -1, 1e9);
   }
 };

@@ -87,7 +87,8 @@ FRAMEHEX_INLINE QuadMeshing mesh_quads(const Surface& input, const SizeFieldRef&
     if (next.status == Status::cancelled) return next;
     next.seconds += best.seconds;
     QuadMerit next_merit(next.mesh);
-    if (next.mesh.n_triangles() == 0 && merit < next_merit) {
+    const double near = std::max(options.retriangulation.max_deviation, best.statistics.deviation);
+    if (next.mesh.n_triangles() == 0 && next.statistics.deviation <= near && merit < next_merit) {
       best = std::move(next);
       merit = std::move(next_merit);
     } else {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/geometry/bounding_box.hpp"
+#include "framehex/pipeline/detail/curve_limits.hpp"
 #include "framehex/pipeline/detail/stopwatch.hpp"
 #include "framehex/pipeline/quad_meshing.hpp"
 #include "framehex/quads/detail/thin_strips.hpp"
@@ -19,7 +20,8 @@ namespace framehex::detail {
 class QuadMesher {
 public:
   QuadMesher(const MatcherRef& matcher, const SizeFieldRef& size, QuadMeshingOptions options)
-      : matcher_(matcher), size_(size), options_(std::move(options)) {
+      : matcher_(matcher), asked_size_(size), size_(size), options_(std::move(options)) {
+    options_.improvement.max_deviation = options_.retriangulation.max_deviation;
     options_.curves.added = {};
     options_.surface.complete = {};
     options_.quads.frames = {};
@@ -33,16 +35,29 @@ public:
   QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
     input_ = std::move(input);
     inside_ = std::move(inside);
+    diagonal_ = bounding_box(input_.points).diagonal().norm();
     add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
+    if (!follow_curves()) return cancelled<QuadMeshing>();
     locator_ = SurfaceLocator(input_);
+    carriers_ = FeatureCarriers(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
     // No cell that is folded is ever handed out: where one is left, the next attempt gives it more room, and the last
     // resort are triangles. Where the input is far from a sound mesh, the next has a smaller size.
-    for (int n_folded = 0, n_far = 0; n_folded < most_widenings;) {
+    for (int n_folded = 0, n_far = 0, n_coarse = 0; n_folded < most_widenings;) {
       if (!fill_patches()) return cancelled<QuadMeshing>();
+      // Few cells for a large body are not worth improving.
+      if (result_.mesh.cells.size() < few_cells && n_coarse < usual_shrinkings)
+        if (const std::vector<SizeLimit> limits = limits_where_far();
+            result_.statistics.deviation > far_off * options_.retriangulation.max_deviation) {
+          ++n_coarse;
+          shrink(limits);
+          continue;
+        }
+      if (!improve(options_.improvement)) return cancelled<QuadMeshing>();
+      watch_.lap(result_.seconds.improvement);
       const std::vector<SizeLimit> limits = limits_where_far();
       if (folded_.empty()) {
         if (limits.empty()) return std::move(result_);
@@ -53,8 +68,7 @@ public:
       // Far from the input cells may be folded because there are too few of them.
       if (!limits.empty() && n_far < most_shrinkings) {
         if (++n_far > usual_shrinkings) shrink_margin_ = 0.65;
-        size_.add(limits);
-        result_.statistics.n_shrunk_places = size_.limits().size();
+        shrink(limits);
         continue;
       }
       if (n_folded > 1 && folded_.size() >= folded_before_) break;
@@ -72,12 +86,32 @@ public:
   }
 
 private:
-  static constexpr double halved = 2.5;        ///< triangles whose edges are halved to be short, by those that just are
-  static constexpr int most_widenings = 4;     ///< attempts that leave folded cells
-  static constexpr int usual_shrinkings = 5;   ///< attempts that are too far from the input, after the first
-  static constexpr int most_shrinkings = 12;   ///< the same, where even the nearest is much too far
-  static constexpr double near_enough = 1.2;   ///< by the deviation that is wanted: not much too far
-  static constexpr double least_shrink = 0.4;  ///< of the size, where the mesh is too far from the input
+  static constexpr double halved = 2.5;       ///< triangles whose edges are halved to be short, by those that just are
+  static constexpr int most_widenings = 4;    ///< attempts that leave folded cells
+  static constexpr int usual_shrinkings = 5;  ///< attempts that are too far from the input, after the first
+  static constexpr int most_shrinkings = 12;  ///< the same, where even the nearest is much too far
+  static constexpr double near_enough = 1.2;  ///< by the deviation that is wanted: not much too far
+  static constexpr double far_off = 2;        ///< the same: much too far
+  static constexpr std::size_t few_cells = 1000;
+  static constexpr double least_shrink = 0.4;   ///< of the size, where the mesh is too far from the input
+  static constexpr int most_curve_rounds = 30;  ///< of shrinking along curves
+
+  /// Makes the size smaller where the sides of curves would be too far from them. Bends that stand out at that size are
+  /// corners then. @return false when told to stop.
+  bool follow_curves() {
+    const double tolerance = options_.retriangulation.max_deviation * diagonal_;
+    if (!std::isfinite(tolerance)) return true;
+    for (int round = 0; round < most_curve_rounds; ++round) {
+      const CurveInsertion curves = insert_curve_points(input_, size_, options_.curves);
+      if (curves.status == Status::cancelled) return false;
+      const std::vector<SizeLimit> limits = limits_of_curves(input_, curves, asked_size_, size_, tolerance);
+      if (limits.empty()) break;
+      size_.add(limits);
+      add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
+    }
+    result_.statistics.n_shrunk_places = size_.limits().size();
+    return true;
+  }
 
   /// @return false when told to stop.
   bool fill_patches() {
@@ -88,9 +122,12 @@ private:
     if (!going("quadrangulation")) return false;
     join_triangles();
     watch_.lap(result_.seconds.quadrangulation);
-    if (!improve(options_.improvement)) return false;
-    watch_.lap(result_.seconds.improvement);
     return true;
+  }
+
+  void shrink(const std::vector<SizeLimit>& limits) {
+    size_.add(limits);
+    result_.statistics.n_shrunk_places = size_.limits().size();
   }
 
   /// Joins no triangles but those that make a convex quadrilateral and share an edge, and keeps cells so.
@@ -250,7 +287,7 @@ private:
   }
 
   bool improve(const QuadImprovementOptions& options) {
-    QuadImprovement improved = improve_quads(result_.mesh, FeatureCarriers(input_), options);
+    QuadImprovement improved = improve_quads(result_.mesh, carriers_, options);
     if (improved.status != Status::complete) return false;
     result_.mesh = std::move(improved.mesh);
     folded_ = std::move(improved.folded);
@@ -266,21 +303,26 @@ private:
     return sum / static_cast<double>(n);
   }
 
-  /// Lengths that bring mesh and input nearer to each other, where they are farther apart than is allowed: vertices of
-  /// the background from the mesh, the middles of cells and of their edges from the input.
+  /// Lengths that bring mesh and input nearer to each other, where they are farther apart than is allowed: curves from
+  /// the sides along them, vertices of the background from the mesh, the middles of cells and of their edges from the
+  /// input.
   std::vector<SizeLimit> limits_where_far() {
-    const Eigen::AlignedBox3d box = bounding_box(input_.points);
-    if (box.sizes().minCoeff() == 0) return {};  // all lies in a plane
-    const double diagonal = box.diagonal().norm(), tolerance = options_.retriangulation.max_deviation * diagonal;
+    const double tolerance = options_.retriangulation.max_deviation * diagonal_;
     double& farthest = result_.statistics.deviation = 0;
     std::vector<SizeLimit> limits;
     const auto add = [&](const Vector3& p, double distance) {
-      farthest = std::max(farthest, distance / diagonal);
+      farthest = std::max(farthest, distance / diagonal_);
       if (distance <= tolerance) return;
       // Of a curved surface chords are off by the square of their length.
       const double ratio = std::max(least_shrink, shrink_margin_ * std::sqrt(tolerance / distance));
-      limits.push_back({p, ratio * std::min(size_(p), diagonal)});
+      limits.push_back({p, ratio * std::min(size_(p), diagonal_)});
     };
+    for (const LabelledEdge& edge : result_.mesh.edges) {
+      const auto& p = result_.mesh.points;
+      const auto far = carriers_.farthest_from_chord(edge.label, p[edge.vertices[0]], p[edge.vertices[1]]);
+      add(far.point, far.distance);
+    }
+    if (bounding_box(input_.points).sizes().minCoeff() == 0) return limits;  // all lies in a plane
     IndexedTriangleMesh mesh{result_.mesh.points, {}};
     for (index_t q = 0; q < result_.mesh.cells.size(); ++q) {
       const QuadMesh::Cell& c = result_.mesh.cells[q];
@@ -318,6 +360,7 @@ private:
   }
 
   const MatcherRef& matcher_;
+  const SizeFieldRef& asked_size_;
   LimitedSize<SizeFieldRef> size_;
   QuadMeshingOptions options_;
   std::vector<SizeLimit> inside_;
@@ -326,8 +369,10 @@ private:
   QuadMeshing result_;
   std::optional<QuadMeshing> sound_;  // of the attempt without folded cells that was nearest to the input
   Surface input_;
-  SurfaceLocator locator_;  // of the input
-  Surface surface_;         // through the samples
+  SurfaceLocator locator_;    // of the input
+  FeatureCarriers carriers_;  // the same
+  double diagonal_ = 0;       // of the box round it
+  Surface surface_;           // through the samples
   SurfaceInsertion samples_;
   double shrink_margin_ = 0.8;          // to a size that would just do
   std::vector<index_t> folded_;         // cells of the last attempt

@@ -49,7 +49,9 @@ public:
 
   /// Tries changes about cells that are bad, even some that make vertices less regular.
   bool mend(double bad, const Observer& observer) {
-    for (index_t q = 0; q < quads_.corners.size(); ++q)
+    // Where a surface is folded or flat, cells that are put in may be as bad as those about them, without end.
+    const std::size_t most_cells = quads_.corners.size() + quads_.corners.size() / 8 + 20;
+    for (index_t q = 0; q < std::min(quads_.corners.size(), most_cells); ++q)
       for (int i = 0; i < most_changes && quads_.alive(q) && smoother_.quality(q) < bad; ++i) {
         if (!keep_going(observer, "improvement", 0)) return false;
         const auto corners = quads_.corners[q];

@@ -15,12 +15,20 @@ namespace framehex::detail {
 /// the cells about them better.
 class QuadSmoother {
 public:
-  QuadSmoother(EditableQuads& quads, const FeatureCarriers& carriers) : quads_(quads), carriers_(carriers) {}
+  /// @param max_deviation  diagonals of the carriers' box: see `QuadImprovementOptions`.
+  QuadSmoother(EditableQuads& quads, const FeatureCarriers& carriers, double max_deviation)
+      : quads_(quads), carriers_(carriers), max_distance_(max_deviation * carriers.diagonal()) {}
 
   /// Brings every vertex to its patch or curve, and finds the normals.
   void settle() {
     for (index_t v = 0; v < quads_.points.size(); ++v)
       if (quads_.half_edge_of[v] != no_index) place(v, quads_.points[v]);
+    given_distance_.assign(carriers_.n_curves(), 0);
+    for (index_t v = 0; v < quads_.points.size(); ++v)
+      for_each_side_on_curve(v, [&](const Vector3& end) {
+        double& given = given_distance_[quads_.curve[v]];
+        given = std::max(given, distance_on_curve(v, end));
+      });
   }
 
   /// Whether steps that leave a cell folded are not made.
@@ -42,7 +50,7 @@ public:
     for (int halvings = 0; halvings < 6; ++halvings, step /= 2) {
       if (step.norm() < 1e-7 * edge) break;
       place(v, old + step);
-      if (energy(v, least) < model.energy * (1 - 1e-9) && (!keep_sound_ || all_sound(v)))
+      if (energy(v, least) < model.energy * (1 - 1e-9) && (!keep_sound_ || all_sound(v)) && follows_curve(v))
         return (quads_.points[v] - old).norm() / edge;
     }
     place(v, old);
@@ -103,7 +111,35 @@ public:
   }
 
 private:
-  static constexpr double flat = 1e-6;  ///< scaled Jacobian
+  static constexpr double flat = 1e-6;       ///< scaled Jacobian
+  static constexpr double least_cut = 0.05;  ///< of a side on a curve: one that is nearer to it hardly shows
+
+  /// Calls `visit(other end)` for both sides along the curve of a vertex that may move on one.
+  template <class Visit>
+  void for_each_side_on_curve(index_t v, Visit&& visit) const {
+    const index_t h = quads_.half_edge_of[v];  // open fans start on the curve
+    if (quads_.curve[v] == no_index || h == no_index) return;
+    index_t last = h;
+    quads_.for_each_outgoing(v, [&](index_t o) { last = o; });
+    visit(at(quads_.next(h)));
+    visit(at(quads_.previous(last)));
+  }
+
+  /// From the curve of a vertex to a side along it.
+  double distance_on_curve(index_t v, const Vector3& end) const {
+    return carriers_.farthest_from_chord(quads_.curve[v], quads_.points[v], end).distance;
+  }
+
+  /// Are the sides beside a vertex of a curve as near to that as sliding may leave them?
+  bool follows_curve(index_t v) const {
+    bool follows = true;
+    for_each_side_on_curve(v, [&](const Vector3& end) {
+      const double nearest = std::min(max_distance_, least_cut * (end - quads_.points[v]).norm());
+      const double allowed = std::max(given_distance_[quads_.curve[v]], nearest);
+      follows = follows && distance_on_curve(v, end) <= allowed * (1 + 1e-9);
+    });
+    return follows;
+  }
 
   std::span<const Vector3> places(index_t q, std::array<Vector3, 4>& storage) const {
     const std::size_t n = quads_.size(q);
@@ -174,10 +210,8 @@ private:
 
   /// The same along the chord of its neighbours on the curve.
   Vector3 step_along_curve(index_t v, const VertexModel& model) const {
-    const index_t h = quads_.half_edge_of[v];  // open fans start on the curve
-    index_t last = h;
-    quads_.for_each_outgoing(v, [&](index_t o) { last = o; });
-    Vector3 tangent = at(quads_.next(h)) - at(quads_.previous(last));
+    Vector3 tangent = Vector3::Zero();
+    for_each_side_on_curve(v, [&](const Vector3& end) { tangent = end - tangent; });
     const double length = tangent.norm();
     if (!(length > 0)) return Vector3::Zero();
     tangent /= length;
@@ -187,6 +221,8 @@ private:
 
   EditableQuads& quads_;
   const FeatureCarriers& carriers_;
+  double max_distance_;
+  std::vector<double> given_distance_;  ///< by curve: from it to the sides given, the greatest
   bool keep_sound_ = false;
 };
 

@@ -3,6 +3,7 @@
 
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/surface/detail/delaunay_flips.hpp"
+#include "framehex/surface/detail/outline_names.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,9 @@ namespace framehex::detail {
 class ConstrainedDelaunay {
 public:
   /// @param points  z = 0; no two alike, or `insert_points` says so.
-  explicit ConstrainedDelaunay(std::span<const Vector3> points) : n_(points.size()), mesh_(box_round(points)) {}
+  /// @param names   for errors; must outlive this.
+  ConstrainedDelaunay(std::span<const Vector3> points, const OutlineNames& names)
+      : n_(points.size()), names_(names), mesh_(box_round(points)) {}
 
   /// @throws invalid_outline  with two vertices of one place.
   void insert_points() {
@@ -31,7 +34,7 @@ public:
   /// Makes a segment an edge. @throws invalid_outline  where it meets a vertex or another segment, or is one already.
   void insert_segment(index_t a, index_t b) {
     if (index_t h = mesh_.find(a, b); h != no_index) {
-      if (mesh_.feature[h]) throw invalid_outline("segment " + text(a, b) + " occurs twice", Entity::edge, {a, b});
+      if (mesh_.feature[h]) throw invalid_outline(names_.repeated(a, b), Entity::edge, {a, b});
       fix(h);
       return;
     }
@@ -85,10 +88,10 @@ private:
     return EditableSurface(surface);
   }
 
-  [[noreturn]] static void refuse_twins(index_t a, index_t b) {
-    throw invalid_outline("vertices " + text(a, b) + " are the same point", Entity::vertex, {a, b});
+  [[noreturn]] void refuse_twins(index_t a, index_t b) const {
+    throw invalid_outline(names_.vertex(a) + " and " + names_.vertex(b) + " are the same point", Entity::vertex,
+                          {a, b});
   }
-  static std::string text(index_t a, index_t b) { return "(" + std::to_string(a) + ", " + std::to_string(b) + ")"; }
 
   int turn(index_t a, index_t b, index_t c) const {
     return projected_orientation(2, mesh_.points[a], mesh_.points[b], mesh_.points[c]);
@@ -178,7 +181,8 @@ private:
     for (index_t h = in; h != no_index;) {
       if (mesh_.feature[h]) {
         const auto [p, q] = std::minmax({mesh_.from(h), mesh_.to(h)});
-        throw invalid_outline("segments " + text(a, b) + " and " + text(p, q) + " cross", Entity::edge, {a, b, p, q});
+        throw invalid_outline(names_.segment(a, b) + " and " + names_.segment(p, q) + " cross", Entity::edge,
+                              {a, b, p, q});
       }
       crossed.emplace_back(mesh_.from(h), mesh_.to(h));
       const index_t g = mesh_.opposite[h], r = mesh_.apex(g);
@@ -190,11 +194,12 @@ private:
     return crossed;
   }
 
-  [[noreturn]] static void refuse_touch(index_t a, index_t b, index_t w) {
-    throw invalid_outline("vertex " + std::to_string(w) + " lies on segment " + text(a, b), Entity::vertex, {w, a, b});
+  [[noreturn]] void refuse_touch(index_t a, index_t b, index_t w) const {
+    throw invalid_outline(names_.vertex(w) + " lies on " + names_.segment(a, b), Entity::vertex, {w, a, b});
   }
 
   std::size_t n_;
+  const OutlineNames& names_;
   EditableSurface mesh_;
   std::vector<index_t> doubtful_;  ///< half edges to be looked at
 };

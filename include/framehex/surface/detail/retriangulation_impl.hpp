@@ -65,7 +65,7 @@ private:
     for (const VertexRemover::Limits& limits :
          {VertexRemover::Limits{std::max(0.8, upright), 0.05}, VertexRemover::Limits{upright, 1e-2},
           VertexRemover::Limits{upright, 1e-3}, VertexRemover::Limits{upright / 2, 1e-3},
-          VertexRemover::Limits{0.05, 1e-4}}) {
+          VertexRemover::Limits{0.05, 1e-4}, VertexRemover::Limits{0.05, std::min(1e-4, options_.least_shape)}}) {
       for (std::size_t before = no_index; inside.size() + on_curves.size() < before;) {
         before = inside.size() + on_curves.size();
         remover.run(inside, limits);
