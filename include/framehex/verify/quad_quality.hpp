@@ -5,9 +5,7 @@
 #include "framehex/mesh/adjacency.hpp"
 #include "framehex/mesh/quad_mesh.hpp"
 
-#include <algorithm>
 #include <map>
-#include <utility>
 
 namespace framehex::verify {
 
@@ -21,36 +19,11 @@ struct QuadQuality {
   std::size_t n_irregular = 0;          ///< vertices inside that have other than four cells
   std::size_t n_rim_edges = 0;          ///< edges of one cell
   std::size_t n_bad_edges = 0;          ///< edges that two cells run along the same way
-  /// Vertices in use less edges plus cells. Where rims touch in a vertex, or bodies do, it counts once for each fan of
-  /// cells round it: they are as little joined there as if it were two.
-  long euler_characteristic = 0;
-  /// Over all fans of cells round a vertex, 4 less the number of cells inside and 2 less it on rims, each sheet more that
-  /// meets at an edge one more at both its ends: four times the Euler characteristic, where all cells are quadrilaterals.
+  long euler_characteristic = 0;        ///< vertices in use less edges plus cells
+  /// Over all vertices 4 less twice the edges plus the cells round it, which is 4 less the cells inside and 2 less them on
+  /// a rim: four times the Euler characteristic, where all cells are quadrilaterals.
   long index_sum = 0;
 };
-
-namespace detail {
-
-/// Corners of cells, joined where these share an edge at their vertex: the fans round all vertices.
-class CornerFans {
-public:
-  explicit CornerFans(std::size_t n_corners) : parent_(n_corners) {
-    for (std::size_t i = 0; i < n_corners; ++i) parent_[i] = static_cast<index_t>(i);
-  }
-  void join(index_t a, index_t b) {
-    const auto [low, high] = std::minmax({root(a), root(b)});
-    parent_[high] = low;
-  }
-  index_t root(index_t corner) {
-    while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
-    return corner;
-  }
-
-private:
-  std::vector<index_t> parent_;
-};
-
-}  // namespace detail
 
 /// @param mesh  indices in range.
 /// @par Complexity   O(n log n).
@@ -58,9 +31,7 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
   QuadQuality q;
   struct Sides {
     int forth = 0, back = 0;
-    index_t at_low = no_index, at_high = no_index;  // corners at both ends, of the first cell
   };
-  detail::CornerFans fans(4 * mesh.cells.size());
   std::map<std::uint64_t, Sides> sides;
   std::vector<long> n_cells(mesh.points.size(), 0);
   std::vector<char> on_rim(mesh.points.size(), 0);
@@ -73,13 +44,7 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
       ++n_cells[cell[i]];
       const index_t next = cell[(i + 1) % n];
       Sides& side = sides[framehex::detail::edge_key(cell[i], next)];
-      const bool rises = cell[i] < next;
-      ++(rises ? side.forth : side.back);
-      auto at_low = static_cast<index_t>(4 * c + i), at_high = static_cast<index_t>(4 * c + (i + 1) % n);
-      if (!rises) std::swap(at_low, at_high);
-      if (side.at_low == no_index) side.at_low = at_low, side.at_high = at_high;
-      fans.join(side.at_low, at_low);
-      fans.join(side.at_high, at_high);
+      ++(cell[i] < next ? side.forth : side.back);
     }
     const std::span<const Vector3> corners = std::span(storage).first(n);
     const Vector3 area = n == 4 ? Vector3((corners[2] - corners[0]).cross(corners[3] - corners[1]) / 2)
@@ -96,21 +61,19 @@ inline QuadQuality quad_quality(const QuadMesh& mesh) {
   }
   for (const auto& [key, side] : sides) {
     if (side.forth > 1 || side.back > 1) ++q.n_bad_edges;
-    q.index_sum -= 2 * (2 - side.forth - side.back);  // at both ends
+    q.index_sum -= 4;  // twice the edge, at both ends
     if (side.forth + side.back != 1) continue;
     ++q.n_rim_edges;
     on_rim[key >> 32] = on_rim[key & 0xffffffff] = 1;
   }
-  long n_fans = 0;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    for (std::size_t i = 0; i < QuadMesh::n_corners(mesh.cells[c]); ++i) {
-      const auto corner = static_cast<index_t>(4 * c + i);
-      n_fans += fans.root(corner) == corner;
-      --q.index_sum;
-    }
-  q.index_sum += 4 * n_fans;
-  for (std::size_t v = 0; v < n_cells.size(); ++v) q.n_irregular += n_cells[v] > 0 && !on_rim[v] && n_cells[v] != 4;
-  q.euler_characteristic = n_fans - static_cast<long>(sides.size()) + static_cast<long>(mesh.cells.size());
+  long n_used = 0;
+  for (std::size_t v = 0; v < n_cells.size(); ++v) {
+    if (n_cells[v] == 0) continue;
+    ++n_used;
+    q.index_sum += 4 + n_cells[v];
+    q.n_irregular += !on_rim[v] && n_cells[v] != 4;
+  }
+  q.euler_characteristic = n_used - static_cast<long>(sides.size()) + static_cast<long>(mesh.cells.size());
   return q;
 }
 
