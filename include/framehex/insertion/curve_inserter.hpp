@@ -152,6 +152,115 @@ private:
   double start_ = 0;
 };
 
+/// The steps of `insert_curve_points`.
+template <SizeField Size>
+class CurveInserter {
+public:
+  CurveInserter(const Surface& surface, const Size& size, const CurveOptions& options, const CurveLattice* lattice)
+      : points_(surface.points),
+        features_(surface.features),
+        curves_(surface.features.curves),
+        size_(size),
+        options_(options),
+        lattice_(lattice),
+        n_corners_(static_cast<double>(surface.features.corners.size())),
+        pulse_(options.observer, "curve insertion") {
+    if (!options.added.empty()) one_each(options.added, curves_.size(), "added intervals", "curves");
+    if (!lattice) return;
+    one_each(std::span(lattice->is_usable), curves_.size(), "marks of the lattice", "curves");
+    one_each(std::span(lattice->arcs.offsets), curves_.size() + 1, "ends of the lattice's rows",
+             "curves and their end");
+  }
+
+  CurveInsertion run() {
+    pulse_.report(0);
+    if (!measure()) return cancelled<CurveInsertion>();
+    choose_intervals();
+    place_samples();
+    if (!pulse_.report(1)) return cancelled<CurveInsertion>();
+    return std::move(result_);
+  }
+
+private:
+  static constexpr double least_of_closed = 4;
+
+  bool is_closed(std::size_t curve) const {
+    const index_t end = curves_[curve].front();
+    return end == curves_[curve].back() && !std::binary_search(features_.corners.begin(), features_.corners.end(), end);
+  }
+
+  /// @return false when told to stop.
+  bool measure() {
+    const auto most = static_cast<double>(options_.max_points);
+    double total = n_corners_;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      measured_.push_back(measure_curve<Size>(points_, curves_[c], is_closed(c), size_, most - total, pulse_));
+      if (pulse_.stopped()) return false;
+      total += measured_.back().length();
+      if (total > most)
+        check_estimate("curves", std::max(total, n_corners_ + estimate_length(points_, curves_, size_)),
+                       options_.max_points);
+    }
+    return true;
+  }
+
+  void choose_intervals() {
+    const std::vector<index_t> least = least_intervals(features_);
+    by_lattice_.assign(curves_.size(), 0);
+    double total = n_corners_;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      const double of_turn = std::ceil(measured_[c].turn / options_.max_turn - 1e-6);
+      const double fewest = std::max({is_closed(c) ? least_of_closed : 1.0, static_cast<double>(least[c]), of_turn});
+      double n = intervals_of_size(c, fewest);
+      if (lattice_ && lattice_->is_usable[c]) {
+        const double given = static_cast<double>(lattice_->arcs[c].size()) + (is_closed(c) ? 0.0 : 1.0);
+        if (given >= fewest) n = given, by_lattice_[c] = 1;
+      }
+      if (!options_.added.empty()) n += options_.added[c];
+      total += n;
+      check_estimate("curves", total, options_.max_points);
+      result_.n_intervals.push_back(static_cast<index_t>(n));
+    }
+  }
+
+  double intervals_of_size(std::size_t c, double fewest) const {
+    const double multiple = is_closed(c) ? static_cast<double>(options_.closed_multiple) : 1.0;
+    return multiple * std::max(std::round(measured_[c].length() / multiple), std::ceil(fewest / multiple));
+  }
+
+  void place_samples() {
+    for (std::size_t i = 0; i < features_.corners.size(); ++i)
+      result_.samples.push_back({points_[features_.corners[i]], SampleKind::corner, static_cast<index_t>(i), 0.0});
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      result_.first_of_curve.push_back(static_cast<index_t>(result_.samples.size()));
+      CurveWalker walker(points_, curves_[c]);
+      const auto add = [&](double arc) {
+        if (!pulse_.beat(0.9)) return;
+        result_.samples.push_back({walker.at(arc), SampleKind::curve, static_cast<index_t>(c), arc});
+      };
+      const index_t n = result_.n_intervals[c];
+      if (by_lattice_[c])
+        for (const double arc : lattice_->arcs[c]) add(arc);
+      else
+        for (index_t k = is_closed(c) ? 0 : 1; k < n; ++k)
+          add(measured_[c].arc_at(measured_[c].length() * (static_cast<double>(k) / n)));
+    }
+    result_.first_of_curve.push_back(static_cast<index_t>(result_.samples.size()));
+  }
+
+  std::span<const Vector3> points_;
+  const FeatureGraph& features_;
+  const Csr<index_t>& curves_;
+  const Size& size_;
+  const CurveOptions& options_;
+  const CurveLattice* lattice_;
+  double n_corners_;
+  Pulse pulse_;
+  std::vector<MeasuredCurve> measured_;
+  std::vector<std::uint8_t> by_lattice_;  ///< per curve: does it get the lattice's points?
+  CurveInsertion result_;
+};
+
 }  // namespace detail
 
 /// Samples corners and feature curves, each curve with a whole number of intervals that are equally long in units of
@@ -175,80 +284,8 @@ private:
 template <SizeField Size>
 CurveInsertion insert_curve_points(const Surface& surface, const Size& size, const CurveOptions& options = {},
                                    const CurveLattice* lattice = nullptr) {
-  const FeatureGraph& features = surface.features;
   check_options(options);
-  detail::Pulse pulse(options.observer, "curve insertion");
-  pulse.report(0);
-  if (!options.added.empty()) detail::one_each(options.added, features.curves.size(), "added intervals", "curves");
-  if (lattice) {
-    detail::one_each(std::span(lattice->is_usable), features.curves.size(), "marks of the lattice", "curves");
-    detail::one_each(std::span(lattice->arcs.offsets), features.curves.size() + 1, "ends of the lattice's rows",
-                     "curves and their end");
-  }
-  const auto is_corner = [&](index_t v) {
-    return std::binary_search(features.corners.begin(), features.corners.end(), v);
-  };
-
-  CurveInsertion result;
-  const auto is_closed = [&](std::span<const index_t> row) {
-    return row.front() == row.back() && !is_corner(row.front());
-  };
-  std::vector<detail::MeasuredCurve> measured;
-  const std::vector<index_t> least = detail::least_intervals(features);
-  std::vector<double> lengths, floors;
-  const auto n_corners = static_cast<double>(features.corners.size()), most = static_cast<double>(options.max_points);
-  double total = n_corners;
-  for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    const std::span<const index_t> row = features.curves[c];
-    const auto& curve = measured.emplace_back(
-        detail::measure_curve<Size>(surface.points, row, is_closed(row), size, most - total, pulse));
-    if (pulse.stopped()) return detail::cancelled<CurveInsertion>();
-    total += curve.length();
-    if (total > most)
-      detail::check_estimate(
-          "curves", std::max(total, n_corners + detail::estimate_length(surface.points, features.curves, size)),
-          options.max_points);
-    lengths.push_back(curve.length());
-    floors.push_back(std::max<double>(least[c], std::ceil(curve.turn / options.max_turn - 1e-6)));
-  }
-  total = n_corners;
-  std::vector<std::uint8_t> by_lattice(features.curves.size(), 0);
-  for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    const std::span<const index_t> row = features.curves[c];
-    const bool closed = is_closed(row);
-    const double multiple = closed ? static_cast<double>(options.closed_multiple) : 1.0;
-    const double fewest = std::ceil(std::max(closed ? 4.0 : 1.0, floors[c]) / multiple);
-    double n = multiple * std::max(std::round(lengths[c] / multiple), fewest);
-    if (lattice && lattice->is_usable[c]) {
-      const double given = static_cast<double>(lattice->arcs[c].size()) + (closed ? 0.0 : 1.0);
-      if (given >= std::max(closed ? 4.0 : 1.0, floors[c])) n = given, by_lattice[c] = 1;
-    }
-    if (!options.added.empty()) n += options.added[c];
-    total += n;
-    detail::check_estimate("curves", total, options.max_points);
-    result.n_intervals.push_back(static_cast<index_t>(n));
-  }
-
-  for (std::size_t i = 0; i < features.corners.size(); ++i)
-    result.samples.push_back({surface.points[features.corners[i]], SampleKind::corner, static_cast<index_t>(i), 0.0});
-  for (std::size_t c = 0; c < features.curves.size(); ++c) {
-    result.first_of_curve.push_back(static_cast<index_t>(result.samples.size()));
-    const std::span<const index_t> row = features.curves[c];
-    const index_t n = result.n_intervals[c];
-    detail::CurveWalker walker(surface.points, row);
-    const auto add = [&](double arc) {
-      if (!pulse.beat(0.9)) return;
-      result.samples.push_back({walker.at(arc), SampleKind::curve, static_cast<index_t>(c), arc});
-    };
-    if (by_lattice[c])
-      for (const double arc : lattice->arcs[c]) add(arc);
-    else
-      for (index_t k = is_closed(row) ? 0 : 1; k < n; ++k)
-        add(measured[c].arc_at(measured[c].length() * (static_cast<double>(k) / n)));
-  }
-  result.first_of_curve.push_back(static_cast<index_t>(result.samples.size()));
-  if (!pulse.report(1)) return detail::cancelled<CurveInsertion>();
-  return result;
+  return detail::CurveInserter<Size>(surface, size, options, lattice).run();
 }
 
 }  // namespace framehex
