@@ -38,7 +38,7 @@ TEST_CASE("recombination is heard of all the time, whoever works", "[progress][r
   listener.check_silences();
 }
 
-TEST_CASE("frame fields are heard of all the time, whoever works", "[progress]") {
+TEST_CASE("frame fields are heard of all the time, whoever works", "[progress][regression]") {
   const IndexedTetMesh mesh = jittered_cubes(28);
   const FieldMethod method = GENERATE(FieldMethod::nearest, FieldMethod::smoothed, FieldMethod::best);
   test::Listener listener;
