@@ -15,6 +15,16 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 OWN_MESH = ROOT / "examples" / "own_mesh" / "own_mesh.cpp"
+FIELD = """#include "framehex/field/compute_frame_field.hpp"
+#include "framehex/mesh/indexed_mesh.hpp"
+auto f(const framehex::IndexedTetMesh& m) { return framehex::compute_frame_field(m); }
+"""
+MESH_SURFACE = """#include "framehex/adapters/tetgen_process.hpp"
+#include "framehex/pipeline/mesh_surface.hpp"
+auto f(const framehex::IndexedTriangleMesh& m) {
+  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});
+}
+"""
 # Name, code or file, and whether the unit is linked to `framehex::compiled`.
 UNITS = [
     ("`framehex.hpp` included", '#include "framehex/framehex.hpp"\n', False),
@@ -25,20 +35,12 @@ UNITS = [
                     "auto f(const framehex::IndexedTetMesh& m) { return framehex::find_potential_hexahedra(m); }\n", False),
     ("selection used", '#include "framehex/selection/select.hpp"\n'
                        "auto f(const framehex::IncompatibilityGraph& g) { return framehex::select(g); }\n", False),
-    ("field used", '#include "framehex/field/compute_frame_field.hpp"\n'
-                   '#include "framehex/mesh/indexed_mesh.hpp"\n'
-                   "auto f(const framehex::IndexedTetMesh& m) { return framehex::compute_frame_field(m); }\n", False),
+    ("field used", FIELD, False),
+    ("field used, linked to `framehex::compiled`", FIELD, True),
     ("`own_mesh` (field and recombination of a host's mesh)", OWN_MESH, False),
     ("`own_mesh`, linked to `framehex::compiled`", OWN_MESH, True),
-    ("`mesh_surface` used", '#include "framehex/adapters/tetgen_process.hpp"\n'
-                            '#include "framehex/pipeline/mesh_surface.hpp"\n'
-                            "auto f(const framehex::IndexedTriangleMesh& m) {\n"
-                            "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", False),
-    ("`mesh_surface` used, linked to `framehex::compiled`",
-     '#include "framehex/adapters/tetgen_process.hpp"\n'
-     '#include "framehex/pipeline/mesh_surface.hpp"\n'
-     "auto f(const framehex::IndexedTriangleMesh& m) {\n"
-     "  return framehex::mesh_surface(m, framehex::ConstantSize{1}, framehex::TetgenProcess{});\n}\n", True),
+    ("`mesh_surface` used", MESH_SURFACE, False),
+    ("`mesh_surface` used, linked to `framehex::compiled`", MESH_SURFACE, True),
     ("Eigen's Core and Geometry alone", "#include <Eigen/Core>\n#include <Eigen/Geometry>\n", False),
 ]
 
