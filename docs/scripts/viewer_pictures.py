@@ -38,10 +38,10 @@ FIGURES = {
     "results-piece": ("piece", "cut=z,0.3&view=-60,45,1.0", ["NN-Fr", "Sm-FB", "lattice"]),
     "results-naca": ("naca", "cut=z,0.5&view=-80,50,1.0", ["NN-Fr", "Sm-FB", "lattice"]),
     "results-placement": ("dome", "cut=y,0.5,flip&view=-75,14,1.65", ["fronts", "lattice"]),
-    "results-smoothness": ("dome", "cut=y,0.5,flip&view=-75,14,1.65&colour=smoothness", ["NN-FB", "Sm-FB", "fronts"]),
+    "results-smoothness": ("dome", "cut=y,0.5,flip&view=-75,14,1.65&colour=smoothness", ["NN-FB", "Sm-FB", "fronts, paper's terms"]),
 }
 CAPTIONS = {"NN-Fr": "nearest, first in first out", "NN-FB": "nearest, smoothest first", "Sm-FB": "smoothed, smoothest first",
-            "fronts": "best field, fronts", "lattice": "best field, lattice"}
+            "fronts, paper's terms": "best field, fronts, paper's terms", "fronts": "best field, fronts", "lattice": "best field, lattice"}
 # Whole pages as a user sees them: model, variant, address.
 VIEWS = {
     "viewer-bunny": ("bunny", "lattice", "theme=light&cut=z,0.55&view=-70,35,1.35"),
