@@ -243,12 +243,12 @@ def say_claim(results, paper):
     theirs = {s: {(m, "paper"): paper[m]["Sm-FB"][k] - paper[m]["NN-Fr"][k] for m in NAMES} for s, k in (("number", 5), ("volume", 6))}
     volume = gains["full"]["volume"]
     clear = [m for m, _ in sorted((key for key, x in volume.items() if x >= noise(key[0])), key=lambda key: -volume[key])]
-    least = min((found(results, m, "full", "NN-Fr") or {"hex_volume": 100})["hex_volume"] - paper[m]["NN-Fr"][6] for m in NAMES)
+    start = [row["hex_volume"] - paper[m]["NN-Fr"][6] for m in NAMES if (row := found(results, m, "full", "NN-Fr"))]
     return ["**The paper's own claim**, that a smoothed field and the smoothest region first (Sm-FB) gain over NN-Fr, in points: "
             + ". ".join([line("Paper", theirs), line("Ours at full size", gains["full"]), line("At small size", gains["small"])])
             + f". So there is a gain at full size that is beyond what any small change does (0.3 points by volume, 1 on naca and the "
             f"fuselage, see [insertion](insertion.md)) on {', '.join(clear) or 'none'}, and it is a fraction of the paper's: with the complete search and "
-            f"relaxed points NN-Fr itself is {least:.1f} points and more above the paper's by volume."]
+            f"relaxed points NN-Fr itself is {span(start, sign=True)} points from the paper's by volume."]
 
 
 def mean_edge(share, number):

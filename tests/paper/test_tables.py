@@ -76,8 +76,16 @@ class TestTables(unittest.TestCase):
         row = lambda number, volume: {"hex_number": number, "hex_volume": volume}  # noqa: E731
         results = {"runs": {"dome | full | NN-Fr": row(50, 70), "dome | full | Sm-FB": row(48, 71),
                             "blade | full | NN-Fr": row(50, 70), "blade | full | Sm-FB": row(51.26, 69)}}
-        [text] = tables.say_claim(results)
-        self.assertIn("At full size by volume dome +1.0, blade -1.0; by number blade +1.3, dome -2.0", text)
+        paper = {model: {"NN-Fr": [1, 0, 0, 0, 0, 40, 60], "Sm-FB": [1, 0, 0, 0, 0, 45.5, 62]} for model in tables.NAMES}
+        [text] = tables.say_claim(results, paper)
+        self.assertIn("Ours at full size by volume dome +1.0, blade -1.0; by number blade +1.3, dome -2.0", text)
+        self.assertIn("Paper by volume dome +2.0, bunny +2.0", text)
+        self.assertIn("on dome, and it is a fraction", text)
+        self.assertIn("NN-Fr itself is +10.0 points", text)
+
+    def test_edges_go_by_the_volume_of_a_hexahedron(self):
+        # Eight times as many in twice the volume: a quarter of the volume each.
+        self.assertAlmostEqual(tables.mean_edge(80, 800) / tables.mean_edge(40, 100), 0.25 ** (1 / 3))
 
 
 if __name__ == "__main__":
