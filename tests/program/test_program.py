@@ -193,6 +193,13 @@ class TestBadSurfaces(Case):
             with self.subTest(name):
                 self.check_refused(self.mesh(name), self.path(name), word)
 
+    def test_a_file_is_named_once(self):
+        (self.folder / "nan.msh").write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 nan 0 1\n"
+                                             "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")
+        result = self.mesh("nan.msh")
+        self.check_refused(result, self.path("nan.msh"), "vertex 3")
+        self.assertEqual(result.stderr.count("nan.msh"), 1, result.stderr)
+
     def test_unreadable(self):
         write_stl(self.path("box.stl"), *box())
         os.chmod(self.path("box.stl"), 0)

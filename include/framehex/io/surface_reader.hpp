@@ -7,6 +7,8 @@
 #include "framehex/io/soup_repair.hpp"
 #include "framehex/io/stl_reader.hpp"
 
+#include <string_view>
+
 namespace framehex {
 
 /// Reads the triangles of a file as they stand there: .stl .obj .off .ply, told by the extension in any case.
@@ -29,12 +31,13 @@ inline SurfaceSoup read_surface_soup(const std::filesystem::path& path) {
 
 namespace detail {
 
-/// Coordinates that cannot be used are reported with the file.
+/// Coordinates that cannot be used are reported with the file, once.
 template <class Job>
 auto with_file_name(const std::filesystem::path& path, Job&& job) {
   try {
     return job();
   } catch (const invalid_coordinate& e) {
+    if (std::string_view(e.what()).starts_with(path.string())) throw;
     throw invalid_coordinate(path.string() + ": " + e.what(), e.entity(), e.indices());
   }
 }
