@@ -41,6 +41,7 @@ public:
     std::size_t n_tried = 0;
     for (index_t v = 0; v < quads_.points.size(); ++v)
       for (int i = 0; i < most_changes && penalty(v) > 0; ++i) {
+        failed_.clear();
         if (n_tried++ % 64 == 0 && !keep_going(observer, "improvement", 0)) return false;
         if (!change_about(v, Purpose::regularity)) break;
       }
@@ -56,6 +57,7 @@ public:
         if (!keep_going(observer, "improvement", 0)) return false;
         const auto corners = quads_.corners[q];
         bool changed = false;
+        failed_.clear();
         for (index_t k = 0; k < quads_.size(q) && !changed; ++k)
           if (quads_.half_edge_of[corners[k]] != no_index) changed = change_about(corners[k], Purpose::quality);
         if (!changed) break;
@@ -72,6 +74,8 @@ private:
     Operation operation;
     index_t h, k;
   };
+
+  using Change = std::tuple<Operation, index_t, index_t>;
 
   static constexpr int most_changes = 4;      ///< about one vertex or cell in a round
   static constexpr double pillow_gain = -10;  ///< five cells in place of one: the last resort
@@ -128,12 +132,34 @@ private:
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
       return std::tuple(-x.gain, x.operation, x.h, x.k) < std::tuple(-y.gain, y.operation, y.h, y.k);
     });
-    for (const Candidate& candidate : candidates_)
+    for (const Candidate& candidate : candidates_) {
+      const Change change = change_of(candidate);
+      const auto place = std::lower_bound(failed_.begin(), failed_.end(), change);
+      if (place != failed_.end() && *place == change) continue;
       if (attempt(candidate, purpose)) {
         ++n_changes_;
         return true;
       }
+      failed_.insert(place, change);
+    }
     return false;
+  }
+
+  /// The same for both half edges of an edge, from which most changes can be seen.
+  Change change_of(const Candidate& candidate) const {
+    Operation operation = candidate.operation;
+    index_t h = candidate.h;
+    const index_t g = quads_.opposite[h];
+    if (operation == Operation::pillow) {
+      h = 4 * (h / 4);
+    } else if (operation != Operation::collapse && operation != Operation::split && g < h) {
+      if (operation == Operation::insert_at_end)
+        operation = Operation::insert_at_start;
+      else if (operation == Operation::insert_at_start)
+        operation = Operation::insert_at_end;
+      h = g;
+    }
+    return {operation, h, candidate.k};
   }
 
   bool inside_and_thin(index_t v, index_t least) const { return quads_.n_cells[v] < (quads_.is_inside(v) ? least : 2); }
@@ -304,6 +330,7 @@ private:
   QuadSmoother& smoother_;
   std::size_t n_changes_ = 0;
   std::vector<Candidate> candidates_;
+  std::vector<Change> failed_;  ///< sorted; since the last change, or about another vertex or cell
   std::vector<index_t> region_, fan_, changed_;
 };
 
