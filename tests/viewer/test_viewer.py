@@ -4,6 +4,7 @@
 
 FRAMEHEX is the program. Needs Debian's chromium, python3-meshio and python3-numpy.
 """
+import base64
 import hashlib
 import json
 import os
@@ -199,6 +200,53 @@ class TestModel(Case):
         self.assertGreater(share, 0.1)
         self.assertLess(share, 0.9)
         self.assertGreater(len(np.unique(image, axis=0)), 100)  # faces in different lights, edges
+
+    def test_a_new_size_is_drawn_before_it_is_seen(self):
+        self.open("theme=light")
+        # This observer comes after the page's own, in the same frame: what it reads is what is seen.
+        middle = self.page.evaluate("""new Promise((done) => {
+            const canvas = document.getElementById("picture"), gl = canvas.getContext("webgl2"), pixel = new Uint8Array(4);
+            let n = 0;
+            new ResizeObserver(() => {
+                if (n++ === 0) return document.getElementById("hide").click();
+                gl.readPixels(canvas.width / 2, canvas.height / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+                done([...pixel]);
+            }).observe(canvas);
+        })""")
+        self.assertEqual(middle[3], 255)  # a cleared picture is transparent and black
+        self.assertGreater(sum(middle[:3]), 0)
+
+    def test_the_mesh_fits_in_tall_pictures(self):
+        self.addCleanup(self.resize, 900, 600)
+        for width, height in ((800, 900), (1000, 700), (300, 900)):
+            self.resize(width, height)
+            for address in ("theme=light", "theme=light&panel=0"):
+                for azimuth in (0, -55):
+                    self.open(f"{address}&view={azimuth},25")
+                    self.check_fits()
+        self.resize(900, 600)
+        self.open("theme=light&panel=0")
+        self.resize(400, 800)  # of a page that is open
+        self.page.settle()
+        self.check_fits()
+
+    def resize(self, width, height):
+        self.page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+
+    def check_fits(self):
+        """Nothing at the rim of the picture, and something within, without what stands over it."""
+        self.page.evaluate("document.getElementById('show').style.display = 'none'")
+        self.page.settle()
+        width, height = (self.page.evaluate(f"document.getElementById('picture').client{what}") for what in ("Width", "Height"))
+        rim = [(3, 3, width - 6, 1), (3, height - 4, width - 6, 1), (3, 3, 1, height - 6), (width - 4, 3, 1, height - 6)]
+        for strip in rim:
+            self.assertEqual(self.n_colours(*strip), 1, (width, height, strip))
+        self.assertGreater(self.n_colours(3, height // 2, width - 6, 1), 10)
+
+    def n_colours(self, x, y, width, height):
+        clip = {"x": x, "y": y, "width": width, "height": height, "scale": 1}
+        png = base64.b64decode(self.page.call("Page.captureScreenshot", format="png", clip=clip)["data"])
+        return len(np.unique(pixels(png)[:, :, :3].reshape(-1, 3), axis=0))
 
     def test_colours_follow_the_choice(self):
         seen = []
@@ -453,6 +501,37 @@ class TestView(Case):
         self.page.open(self.path / "bunny.html", "colour=smoothness&range=0.25,0.75")
         self.assertEqual(self.legend(), ["Smoothness", "0.25", "0.75"])
 
+    def test_only_smoothness_has_the_ends_of_smoothness(self):
+        two = dict(corners="0 1 2 3 4 5 6 7  4 5 6 7 0 1 2 3", offsets="8 16", types="12 12", n=2)
+        for values, ends in (("3 40", ["3", "40"]), ("-0.5 0.5", ["-0.5", "0.5"]), ("0.25 0.75", ["0", "1"])):
+            self.view(grid(**two, cell_data=array("smoothness", values)), "colour=smoothness")
+            self.assertEqual(self.legend(), ["Smoothness", *ends])
+
+    def test_arrays_do_not_take_over_the_names_of_the_page(self):
+        names = ["kind", "quality", "Scaled_Jacobian", "array-0"]
+        self.view(grid(cell_data="".join(array(name, i + 2) for i, name in enumerate(names))), "colour=kind")
+        self.assertEqual(self.colours(), ["Kind", "Scaled Jacobian", "Kind (array)", "Quality (array)",
+                                          "Scaled Jacobian (array)", "Array-0"])
+        for name, chosen in [("kind", "kind"), ("quality", "quality"), ("kind (array)", "array-0"), ("array-0", "array-3"),
+                             ("quality (array)", "array-1")]:
+            self.page.open(self.path / "page.html", "colour=" + urllib.parse.quote(name))
+            self.assertEqual(self.page.evaluate("document.getElementById('colour').value"), chosen)
+            self.assertTrue(self.page.evaluate("document.getElementById('remarks').hidden"))
+
+    def test_the_panel_holds_its_tables(self):
+        self.view(grid())
+        for gutter in (0, 20):  # without and with the room that a scrollbar takes
+            self.page.evaluate(f"document.getElementById('panel').style.borderRight = '{gutter}px solid'")
+            for total in ("1", "12,345", "12,345,678"):
+                self.page.evaluate("for (const what of ['shown', 'total']) for (const of of ['hexahedron', 'prism', 'cells'])"
+                                   f"document.getElementById(`${{what}}-${{of}}`).textContent = '{total}'")
+                panel = self.page.evaluate("(({scrollWidth, clientWidth}) => [scrollWidth, clientWidth])"
+                                           "(document.getElementById('panel'))")
+                self.assertLessEqual(*panel, (gutter, total))
+                edges = self.page.evaluate("['counts', 'panel'].map((id) => document.getElementById(id)"
+                                           ".getBoundingClientRect().right)")
+                self.assertLessEqual(edges[0], edges[1] - gutter - 16)
+
     def test_bad_cells_are_named(self):
         self.view(grid())
         self.assertTrue(self.page.evaluate("document.getElementById('invalid-text').hidden"))
@@ -476,12 +555,18 @@ class TestView(Case):
 
     def test_addresses_that_cannot_be_followed(self):
         for address in ("cut=x,nan", "cut=x,", "cut=q,0.5", "cut=toString,0.5", "cut=x,2", "cut=x,0.5,flop", "peel=1e9", "peel=-1",
-                        "peel=1.5", "view=1", "view=a,b", "colour=nothing", "colour=toString", "range=0,1", "kut=x,0.5"):
+                        "peel=1.5", "view=1", "view=a,b", "colour=nothing", "colour=toString", "range=0,1", "kut=x,0.5", "theme=blue", "panel=7",
+                        "panel=", "lines=yes", "lines=1", "curves=abc", "curves=1", "peel=1,7", "view=10,20,1,5",
+                        "cut=x,0.9,flip,flip"):
             self.view(grid(), address)
-            self.assertIn(address.split("=")[1], self.text("remarks"), address)
+            self.assertIn(f"{address}: ", self.text("remarks"), address)
             self.assertFalse(self.page.evaluate("document.getElementById('remarks').hidden"), address)
             self.assertIn("1 cell shown", self.text("shown-text"), address)
-        self.view(grid(), "cut=x,0.9&view=30,20&peel=0&colour=quality&range=0,0.5&theme=dark")
+        self.view(grid(), "cut=x,0.9&cut=y,0.1")
+        self.assertIn("cut=y,0.1: ", self.text("remarks"))
+        self.assertNotIn("cut=x", self.text("remarks"))
+        self.assertEqual(self.page.evaluate("document.getElementById('cut').value"), "x")
+        self.view(grid(), "cut=x,0.9&view=30,20&peel=0&colour=quality&range=0,0.5&theme=dark&lines=0&curves=0&panel=1")
         self.assertTrue(self.page.evaluate("document.getElementById('remarks').hidden"))
         self.check_clean()
 

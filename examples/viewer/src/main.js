@@ -9,6 +9,8 @@ import { listenToKeys, listenToDragging } from "./input.js";
 
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 const ADDRESS_NAMES = ["view", "cut", "peel", "colour", "range", "lines", "curves", "theme", "panel"];
+const OWN_COLOURS = ["kind", "region", "quality"];
+const OWN_NAMES = [...OWN_COLOURS, "scaled jacobian"];
 
 class Viewer {
   constructor() {
@@ -39,9 +41,11 @@ class Viewer {
   colourScales(least) {
     const scales = { quality: { name: "Scaled Jacobian", values: this.mesh.quality, low: Math.min(least, 0), high: 1 } };
     this.mesh.arrays.forEach(({ name, values }, i) => {
-      // Smoothness has the same ends in every mesh, so that pictures of several can be compared.
-      const [low, high] = name === "smoothness" ? [0, 1] : extremes(values);
-      scales[`array-${i}`] = { name, values, low, high };
+      let [low, high] = extremes(values);
+      // Smoothness has the same ends in every mesh, so that pictures of several can be compared; other things of its name not.
+      if (name === "smoothness" && low >= 0 && high <= 1) [low, high] = [0, 1];
+      const taken = OWN_NAMES.includes(name.toLowerCase().replaceAll("_", " "));
+      scales[`array-${i}`] = { name: taken ? `${name} (array)` : name, values, low, high };
     });
     return scales;
   }
@@ -127,49 +131,83 @@ class Viewer {
   }
 
   /**
-   * What the address asks for after `#`: view=AZIMUTH,ELEVATION[,ZOOM] cut=x,0.5[,flip] peel= colour= range=LOW,HIGH theme=
-   * panel=0. What cannot be done is left out, with a remark.
+   * What the address asks for after `#`: view=AZIMUTH,ELEVATION[,ZOOM] cut=x,0.5[,flip] peel= colour= range=LOW,HIGH lines=
+   * curves= theme= panel=. What cannot be done is left out, with a remark.
    */
   readAddress() {
-    const asked = new URLSearchParams(location.hash.slice(1)), { state } = this;
-    const remark = (name, why) => this.remarks.push(`${name}=${asked.get(name)}: ${why}`);
-    const numbers = (name) => asked.get(name).split(",").map((text) => (text.trim() ? Number(text) : NaN));
-    for (const name of asked.keys())
-      if (!ADDRESS_NAMES.includes(name)) remark(name, "nothing is called so");
-    if (asked.has("view")) {
-      const [azimuth, elevation, zoom = 1] = numbers("view");
-      if ([azimuth, elevation, zoom].every(Number.isFinite) && zoom > 0) this.picture.look(azimuth, elevation, zoom);
-      else remark("view", "two angles in degrees and, if wanted, a zoom above 0 should stand here");
+    const asked = new Map();
+    for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
+      if (!ADDRESS_NAMES.includes(name)) this.remark(name, text, "nothing is called so");
+      else if (asked.has(name)) this.remark(name, text, "only the first of its name is followed");
+      else asked.set(name, text);
     }
-    if (asked.has("cut")) {
-      const [cut, place = "0.5", flip] = asked.get("cut").split(","), at = place.trim() ? Number(place) : NaN;
-      if (cut !== "view" && !Object.hasOwn(AXES, cut)) remark("cut", "cuts are across x, y, z or view");
-      else if (!(at >= 0 && at <= 1)) remark("cut", "a place from 0 to 1 should follow the axis");
-      else if (flip !== undefined && flip !== "flip") remark("cut", "only flip can follow the place");
-      else Object.assign(state, { cut, at, flip: flip === "flip", viewNormal: this.picture.towardsEye().toArray() });
+    for (const name of ADDRESS_NAMES) {  // in this order: a range is that of the colour
+      const why = asked.has(name) && this.follow(name, asked.get(name));
+      if (why) this.remark(name, asked.get(name), why);
     }
-    if (asked.has("peel")) {
-      const [peel] = numbers("peel"), most = this.panel.mostLayers;
-      if (!Number.isInteger(peel) || peel < 0) remark("peel", "a number of layers should stand here");
-      else if (peel > most) remark("peel", `there are only ${most} layers to peel`);
-      if (Number.isInteger(peel) && peel >= 0) state.peel = Math.min(peel, most);
+  }
+
+  remark(name, text, why) {
+    this.remarks.push(`${name}=${text}: ${why}`);
+  }
+
+  /** Does what one name of the address asks for; else says why it cannot be done. */
+  follow(name, text) {
+    const words = text.split(","), numbers = words.map((word) => (word.trim() ? Number(word) : NaN));
+    switch (name) {
+      case "view": return this.followView(numbers);
+      case "cut": return this.followCut(words, numbers);
+      case "peel": return this.followPeel(numbers);
+      case "colour": return this.followColour(text);
+      case "range": return this.followRange(numbers);
+      case "theme": return this.panel.setTheme(text) ? null : "themes are light, dark and auto";
+      case "panel": return this.followSwitch(text, (on) => on || this.panel.toggle());
+      default: return this.followLines(name, text);
     }
-    if (asked.has("colour")) {
-      const wanted = asked.get("colour"), known = this.panel.colours();
-      const colour = Object.keys(this.scales).find((key) => this.scales[key].name === wanted) ?? wanted;
-      if (known.includes(colour)) state.colour = colour;
-      else remark("colour", "there is no such array");
-    }
-    if (asked.has("range")) {
-      const [low, high] = numbers("range"), scale = this.scales[state.colour];
-      if (!scale) remark("range", "what is coloured by has no range");
-      else if (!(low < high && Number.isFinite(high - low))) remark("range", "two numbers should stand here, the lower first");
-      else Object.assign(scale, { low, high });
-    }
-    for (const which of ["lines", "curves"])
-      if (asked.has(which)) this.panel.setLines(which, asked.get(which) !== "0");
-    if (asked.has("theme")) this.panel.setTheme(asked.get("theme"));
-    if (asked.get("panel") === "0") this.panel.toggle();
+  }
+
+  followView([azimuth, elevation, zoom = 1, ...more]) {
+    if (more.length || ![azimuth, elevation, zoom].every(Number.isFinite) || !(zoom > 0))
+      return "two angles in degrees and, if wanted, a zoom above 0 should stand here";
+    this.picture.look(azimuth, elevation, zoom);
+  }
+
+  followCut([cut, , flip, ...more], [, at = 0.5]) {
+    if (cut !== "view" && !Object.hasOwn(AXES, cut)) return "cuts are across x, y, z or view";
+    if (!(at >= 0 && at <= 1)) return "a place from 0 to 1 should follow the axis";
+    if (more.length || (flip !== undefined && flip !== "flip")) return "only flip can follow the place";
+    Object.assign(this.state, { cut, at, flip: flip === "flip", viewNormal: this.picture.towardsEye().toArray() });
+  }
+
+  followPeel([peel, ...more]) {
+    const most = this.panel.mostLayers;
+    if (more.length || !Number.isInteger(peel) || peel < 0) return "a number of layers should stand here";
+    this.state.peel = Math.min(peel, most);
+    if (peel > most) return `there are only ${most} layers to peel`;
+  }
+
+  followColour(wanted) {
+    const known = this.panel.colours(), own = OWN_COLOURS.includes(wanted) && known.includes(wanted);
+    const colour = own ? wanted : Object.keys(this.scales).find((key) => this.scales[key].name === wanted);
+    if (!colour) return "there is no such array";
+    this.state.colour = colour;
+  }
+
+  followRange([low, high, ...more]) {
+    const scale = this.scales[this.state.colour];
+    if (!scale) return "what is coloured by has no range";
+    if (more.length || !(low < high && Number.isFinite(high - low))) return "two numbers should stand here, the lower first";
+    Object.assign(scale, { low, high });
+  }
+
+  followLines(which, text) {
+    if (text === "1" && !this.mesh[which].length) return "there are none on this page";
+    return this.followSwitch(text, (on) => this.panel.setLines(which, on));
+  }
+
+  followSwitch(text, turn) {
+    if (text !== "0" && text !== "1") return "0 or 1 should stand here";
+    turn(text === "1");
   }
 }
 

@@ -237,11 +237,14 @@ export class Panel {
     this.viewer.picture.showLines(which, on);
   }
 
+  /** @returns  whether there is such a theme; else nothing changes. */
   setTheme(theme) {
-    this.theme = THEMES.includes(theme) ? theme : "auto";
+    if (!THEMES.includes(theme)) return false;
+    this.theme = theme;
     document.documentElement.dataset.theme = this.theme;
     $("theme").textContent = `Theme: ${this.theme}`;
     this.paintBackground();
+    return true;
   }
 
   paintBackground() {

@@ -40,7 +40,14 @@ void main() {
   fragment = vec4(mix(vColour * light, edgeColour, 0.85 * edge), 1.0);
 }`;
 
-const REACH = 3.4;  // distance of the camera at the start; the mesh is 2 wide
+const REACH = 3.4;  // distance of the camera at the start in a picture at least as wide as high; the mesh is 2 wide
+const MOST_REACH = 20;
+const ANGLE = 35;  // of view from below to above, in degrees
+const HALF_ANGLE = ANGLE / 2 * Math.PI / 180;
+
+/** How much further off the camera must be where the picture is narrower than high, so that a ball is seen whole. */
+const narrowness = (aspect) =>
+  aspect >= 1 ? 1 : Math.sin(HALF_ANGLE) / Math.sin(Math.atan(aspect * Math.tan(HALF_ANGLE)));
 
 export class Picture {
   constructor(canvas) {
@@ -49,12 +56,12 @@ export class Picture {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.localClippingEnabled = true;
     this.scene = new Scene();
-    this.camera = new PerspectiveCamera(35, 1, 1e-4, 100);
+    this.camera = new PerspectiveCamera(ANGLE, 1, 1e-4, 100);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
     this.controls.minDistance = 1e-3;
-    this.controls.maxDistance = 20;
+    this.controls.maxDistance = MOST_REACH;
     this.controls.addEventListener("change", () => this.redraw());
 
     const uniforms = { edges: { value: 1 }, edgeColour: { value: new Color(0x16181c) } };
@@ -74,10 +81,23 @@ export class Picture {
     const { clientWidth, clientHeight } = this.canvas;
     if (!clientWidth || !clientHeight) return;
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.camera.aspect = clientWidth / clientHeight;
-    this.camera.updateProjectionMatrix();
+    this.setAspect(clientWidth / clientHeight);
     for (const lines of [this.curves, this.lines]) lines?.material.resolution.set(clientWidth, clientHeight);
-    this.redraw();
+    this.draw();  // at once: the new size has cleared the picture, which would be blank until the next frame
+  }
+
+  /** What is seen stays whole when the picture becomes narrower than high. */
+  setAspect(aspect) {
+    const { camera, controls } = this, farther = narrowness(aspect) / narrowness(camera.aspect);
+    camera.aspect = aspect;
+    camera.updateProjectionMatrix();
+    if (farther === 1) return;
+    controls.maxDistance = Math.min(MOST_REACH * narrowness(aspect), 0.9 * camera.far);
+    this.zoom(1 / farther);
+  }
+
+  draw() {
+    this.renderer.render(this.scene, this.camera);
   }
 
   redraw() {
@@ -85,7 +105,7 @@ export class Picture {
     this.pending = true;
     requestAnimationFrame(() => {
       this.pending = false;
-      this.renderer.render(this.scene, this.camera);
+      this.draw();
     });
   }
 
@@ -124,6 +144,7 @@ export class Picture {
     const lines = new LineSegments2(new LineSegmentsGeometry().setPositions(segments), material);
     lines.renderOrder = through ? 1 : 0;
     lines.frustumCulled = false;
+    material.resolution.set(this.canvas.clientWidth, this.canvas.clientHeight);
     this.scene.add(lines);
     return lines;
   }
@@ -133,14 +154,12 @@ export class Picture {
     const segments = new Float32Array(3 * curves.length);
     curves.forEach((v, i) => segments.set(points.subarray(3 * v, 3 * v + 3), 3 * i));
     this.curves = this.makeLines(segments, 0x1565c0, 2.5, false);
-    this.resize();
   }
 
   addLines({ lines }) {
     if (!lines.length) return;
     this.lines = this.makeLines(lines, 0xd81b8c, 2.5, true);
     this.lines.visible = false;  // they lie inside: shown when asked for
-    this.resize();
   }
 
   /** Lines end where the cells are cut. */
@@ -157,7 +176,8 @@ export class Picture {
 
   /** Camera at angles in degrees, so near that `zoom` times as much is seen of the size at the start. */
   look(azimuth, elevation, zoom, target = [0, 0, 0]) {
-    const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180, reach = REACH / zoom;
+    const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
+    const reach = REACH * narrowness(this.camera.aspect) / zoom;
     this.controls.target.set(...target);
     this.camera.position.set(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e))
       .multiplyScalar(reach).add(this.controls.target);
@@ -175,7 +195,8 @@ export class Picture {
     const { x, y, z } = this.towardsEye(), degree = Math.PI / 180;
     const up = Math.min(Math.max(Math.asin(z) / degree + elevation, -89), 89);
     const distance = this.camera.position.distanceTo(this.controls.target);
-    this.look(Math.atan2(y, x) / degree + azimuth, up, REACH / distance, this.controls.target.toArray());
+    const zoom = REACH * narrowness(this.camera.aspect) / distance;
+    this.look(Math.atan2(y, x) / degree + azimuth, up, zoom, this.controls.target.toArray());
   }
 
   shift(right, up) {
@@ -228,7 +249,8 @@ export class Picture {
   /** Moves smoothly until `target` is in the middle and `radius` fills a fair part of the picture. */
   flyTo(target, radius) {
     const from = this.controls.target.clone(), to = new Vector3(...target), towards = this.towardsEye();
-    const near = this.camera.position.distanceTo(from), far = Math.max(9 * radius, 2e-3), start = performance.now();
+    const near = this.camera.position.distanceTo(from), start = performance.now();
+    const far = Math.max(9 * radius, 2e-3) * narrowness(this.camera.aspect);
     const duration = window.matchMedia("(prefers-reduced-motion: reduce)").matches ? 1 : 500;
     const step = () => {
       const t = Math.min((performance.now() - start) / duration, 1), s = t * t * (3 - 2 * t);
