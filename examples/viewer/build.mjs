@@ -49,6 +49,12 @@ const text = `// SPDX-License-Identifier: BSL-1.0
 // Made by examples/viewer/build.mjs from examples/viewer/src and three.js (MIT; its licence stands in the page). Not to
 // be edited. sources: ${fingerprint()}
 
+// As long as it is, every compiler that is supported takes it.
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Woverlength-strings"
+#endif
+
 namespace framehex::detail {
 
 // clang-format off
@@ -64,6 +70,10 @@ ${literals(tail)};
 // clang-format on
 
 }  // namespace framehex::detail
+
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
 `;
 
 if (process.argv.includes("--check")) {

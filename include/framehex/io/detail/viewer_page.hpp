@@ -2,7 +2,13 @@
 #pragma once
 
 // Made by examples/viewer/build.mjs from examples/viewer/src and three.js (MIT; its licence stands in the page). Not to
-// be edited. sources: dcb39f306ed155f3fc7432b3869ecc30824fae0046be6591bdd76b16aac3f2d4
+// be edited. sources: 3faa4c8c95ec6fd67c6786088063ca9147ce6315978ba89b39ea9545e5105b44
+
+// As long as it is, every compiler that is supported takes it.
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Woverlength-strings"
+#endif
 
 namespace framehex::detail {
 
@@ -173,3 +179,7 @@ inline constexpr char viewer_page_tail[] =
 // clang-format on
 
 }  // namespace framehex::detail
+
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
