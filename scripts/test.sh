@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything and runs all tests through CTest.
+# Installs what is missing, builds all but the benchmarks (scripts/check.sh) and runs all tests through CTest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-gcc-release}

@@ -4,6 +4,7 @@
 #include "framehex/io/outline_reader.hpp"
 #include "framehex/pipeline/mesh_planar.hpp"
 #include "framehex/pipeline/mesh_shell.hpp"
+#include "framehex/surface/detail/outline_names.hpp"
 #include "framehex/verify/quad_quality.hpp"
 
 #include "commands.hpp"
@@ -115,18 +116,6 @@ std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& 
   return texts;
 }
 
-/// Which polyline of an outline has a segment; nothing for one that none has.
-std::string polyline_of(const framehex::PlanarOutline& outline, framehex::index_t a, framehex::index_t b) {
-  for (std::size_t i = 0; i < outline.n_polylines(); ++i) {
-    const auto row = outline.polyline(i);
-    for (std::size_t k = 1; k < row.size(); ++k)
-      if (std::minmax(row[k - 1], row[k]) == std::minmax(a, b))
-        return i < outline.loops.size() ? "loop " + std::to_string(i)
-                                        : "inner polyline " + std::to_string(i - outline.loops.size());
-  }
-  return {};
-}
-
 /// A curve by number and ends, with the polyline that it is of.
 std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t curve,
                           const framehex::PlanarOutline* outline) {
@@ -148,8 +137,9 @@ std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t
     for (const framehex::index_t v : row)
       if (v < outline->points.size() && given.size() < 2) given.push_back(v);
     if (given.size() == 2)
-      if (const std::string polyline = polyline_of(*outline, given[0], given[1]); !polyline.empty())
-        text += " of " + polyline;
+      if (const std::string owner = framehex::detail::OutlineNames(*outline).owner_of_segment(given[0], given[1]);
+          !owner.empty())
+        text += " of " + owner;
   }
   return text + ", from " + place(row.front()) + " to " + place(row.back()) + ",";
 }

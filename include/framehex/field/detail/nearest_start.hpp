@@ -15,6 +15,7 @@ namespace framehex {
 /// @param points       n_vertices positions. @param constraints  n_vertices; only vertices with `none` are changed.
 /// @param surface      whose vertices have the frames `boundary.frames`. @param locator  of `surface`.
 /// @param frames       n_vertices unit quaternions, changed in place.
+/// @param executor     results do not depend on it. @param observer  asked between blocks of vertices.
 /// @return complete, or cancelled: some vertices have their frame, the others the one they had.
 /// @par Complexity   O(log n) a vertex.
 /// @par Source       The paper, section 3.3 (the initial condition).

@@ -211,7 +211,7 @@ private:
   /// The same along the chord of its neighbours on the curve.
   Vector3 step_along_curve(index_t v, const VertexModel& model) const {
     Vector3 tangent = Vector3::Zero();
-    for_each_side_on_curve(v, [&](const Vector3& end) { tangent = end - tangent; });
+    for_each_side_on_curve(v, [&](const Vector3& end) { tangent = end - tangent; });  // second end less the first
     const double length = tangent.norm();
     if (!(length > 0)) return Vector3::Zero();
     tangent /= length;

@@ -25,8 +25,14 @@ public:
 
   std::string segment(index_t a, index_t b) const {
     const std::string name = "segment (" + std::to_string(a) + ", " + std::to_string(b) + ")";
+    const std::string owner = owner_of_segment(a, b);
+    return owner.empty() ? name : name + " of " + owner;
+  }
+
+  /// The first polyline that has a segment; nothing where none has.
+  std::string owner_of_segment(index_t a, index_t b) const {
     const std::vector<std::size_t> owners = polylines_of(a, b);
-    return owners.empty() ? name : name + " of " + polyline(owners[0]);
+    return owners.empty() ? std::string{} : polyline(owners[0]);
   }
 
   /// What is wrong with a segment that is there twice, and how it is meant to be given.

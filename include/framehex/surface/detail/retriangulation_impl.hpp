@@ -62,10 +62,10 @@ private:
       (remover.feature_valence(v) == 0 ? inside : on_curves).push_back(v);
     }
     const double upright = std::cos(options_.max_bend);
-    for (const VertexRemover::Limits& limits :
-         {VertexRemover::Limits{std::max(0.8, upright), 0.05}, VertexRemover::Limits{upright, 1e-2},
-          VertexRemover::Limits{upright, 1e-3}, VertexRemover::Limits{upright / 2, 1e-3},
-          VertexRemover::Limits{0.05, 1e-4}, VertexRemover::Limits{0.05, std::min(1e-4, options_.least_shape)}}) {
+    std::vector<VertexRemover::Limits> passes{
+        {std::max(0.8, upright), 0.05}, {upright, 1e-2}, {upright, 1e-3}, {upright / 2, 1e-3}, {0.05, 1e-4}};
+    if (options_.least_shape < passes.back().shape) passes.push_back({passes.back().upright, options_.least_shape});
+    for (const VertexRemover::Limits& limits : passes) {
       for (std::size_t before = no_index; inside.size() + on_curves.size() < before;) {
         before = inside.size() + on_curves.size();
         remover.run(inside, limits);
