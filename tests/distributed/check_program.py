@@ -8,6 +8,7 @@ disk and a NaN in one piece end with a message, and leave no file.
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -83,6 +84,22 @@ def cells_and_frames(path, n_ranks):
     mesh = meshio.Mesh(np.array([points[v] for v in order]),
                        [(kind, np.vectorize(place.get)(np.array(rows))) for kind, rows in joined.items()])
     return sorted(cells), frames, mesh
+
+
+def check_empty_ranks(folder):
+    """One tetrahedron on three ranks: all pieces that are named can be read by meshio, and no others are there."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    meshio.Mesh(points, [("tetra", np.array([[0, 1, 2, 3]]))]).write(folder / "in.vtu")
+    older = folder / "out_2.vtu"
+    older.write_text("a piece of an older mesh, of more ranks")
+    for n_ranks in (3, 2):
+        subprocess.run(command(n_ranks, folder / "in.vtu", folder / "out.pvtu", "--field"), check=True)
+        named = re.findall(r'<Piece Source="(.*?)"', (folder / "out.pvtu").read_text())
+        read = [meshio.read(folder / name) for name in named]
+        assert [sum(len(block.data) for block in piece.cells) for piece in read] == [1], read
+        assert sorted(map(tuple, read[0].points)) == sorted(map(tuple, points))
+    assert leftovers(folder, {"in.vtu", "out.pvtu"}) == named, leftovers(folder, set())
+    subprocess.run(command(2, folder / "out.pvtu", folder / "again.pvtu"), check=True)  # and by us
 
 
 def leftovers(folder, keep):
@@ -166,7 +183,7 @@ def check_killed(folder):
 
 
 if __name__ == "__main__":
-    for check in (check_same, check_failures, check_killed):
+    for check in (check_same, check_empty_ranks, check_failures, check_killed):
         with tempfile.TemporaryDirectory() as name:
             check(pathlib.Path(name))
         print(check.__name__, "passed")
