@@ -5,7 +5,7 @@
 #include "framehex/distributed/detail/file_dealer.hpp"
 #include "framehex/distributed/detail/part_numbering.hpp"
 #include "framehex/distributed/run_collectively.hpp"
-#include "framehex/io/mapped_file.hpp"
+#include "framehex/io/detail/mapped_file.hpp"
 
 namespace framehex::distributed {
 
