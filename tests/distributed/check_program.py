@@ -89,6 +89,7 @@ def cells_and_frames(path, n_ranks, with_frames=True):
 def check_formats(folder):
     """A serial file of any format, as meshio writes it, makes the same mesh."""
     points, tets = lattice(4)
+    points = np.round(points * 64) / 64  # few digits: what is written as text is what is read
     expected = None
     for number, (suffix, options) in enumerate((
             (".vtu", {"binary": False}), (".vtu", {"compression": None}), (".vtu", {"compression": "zlib"}),
