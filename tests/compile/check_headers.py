@@ -67,7 +67,7 @@ def check(header, text, errors):
         return
     for included in re.findall(r"^\s*#\s*include\s+<([^>]+)>", text, re.M):
         standard = "/" not in included and "." not in included
-        posix = included in ("fcntl.h", "unistd.h") and mine == "io"
+        posix = included in ("fcntl.h", "signal.h", "sys/mman.h", "sys/stat.h", "unistd.h") and mine == "io"
         mpi = included == "mpi.h" and mine == "distributed"
         if not (standard or posix or mpi or included.startswith(("Eigen/", "boost/"))):
             errors.append(f"{header}: the core includes <{included}>")

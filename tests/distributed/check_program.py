@@ -8,6 +8,7 @@ disk and a NaN in one piece end with a message, and leave no file.
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -64,7 +65,7 @@ def pieces(path, n_ranks):
     return [meshio.read(path.with_name(f"{path.stem}_{rank}.vtu")) for rank in range(n_ranks)]
 
 
-def cells_and_frames(path, n_ranks):
+def cells_and_frames(path, n_ranks, with_frames=True):
     """Cells as tuples of corners' places, and frames by place; and all as one mesh."""
     cells, frames, points, joined = [], {}, {}, {}
     for piece in pieces(path, n_ranks):
@@ -72,7 +73,7 @@ def cells_and_frames(path, n_ranks):
         for v, p in enumerate(piece.points):
             if points.setdefault(ids[v], tuple(p)) != tuple(p):
                 sys.exit(f"{path}: point {ids[v]} has two places")
-            if piece.point_data["vtkGhostType"][v] == 0:
+            if with_frames and piece.point_data["vtkGhostType"][v] == 0:
                 frames[tuple(p)] = tuple(piece.point_data["frame"][v])
         for block, ghosts in zip(piece.cells, piece.cell_data["vtkGhostType"]):
             for row in block.data[np.asarray(ghosts) == 0]:
@@ -83,6 +84,41 @@ def cells_and_frames(path, n_ranks):
     mesh = meshio.Mesh(np.array([points[v] for v in order]),
                        [(kind, np.vectorize(place.get)(np.array(rows))) for kind, rows in joined.items()])
     return sorted(cells), frames, mesh
+
+
+def check_formats(folder):
+    """A serial file of any format, as meshio writes it, makes the same mesh."""
+    points, tets = lattice(4)
+    points = np.round(points * 64) / 64  # few digits: what is written as text is what is read
+    expected = None
+    for number, (suffix, options) in enumerate((
+            (".vtu", {"binary": False}), (".vtu", {"compression": None}), (".vtu", {"compression": "zlib"}),
+            (".vtu", {"compression": "lzma"}), (".msh", {"file_format": "gmsh"}),
+            (".msh", {"file_format": "gmsh", "binary": False}), (".msh", {"file_format": "gmsh22"}),
+            (".msh", {"file_format": "gmsh22", "binary": False}), (".mesh", {}), (".meshb", {}), (".vtk", {}))):
+        source = folder / f"in{number}{suffix}"
+        meshio.Mesh(points, [("tetra", tets)]).write(source, **options)
+        subprocess.run(command(2, source, folder / "out.pvtu", "--part-size", "200"), check=True)
+        named = re.findall(r'<Piece Source="(.*?)"', (folder / "out.pvtu").read_text())
+        cells = cells_and_frames(folder / "out.pvtu", len(named), with_frames=False)[0]
+        expected = expected or cells
+        assert cells == expected, f"other cells from {source.name} {options}"
+
+
+def check_empty_ranks(folder):
+    """One tetrahedron on three ranks: all pieces that are named can be read by meshio, and no others are there."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    meshio.Mesh(points, [("tetra", np.array([[0, 1, 2, 3]]))]).write(folder / "in.vtu")
+    older = folder / "out_2.vtu"
+    older.write_text("a piece of an older mesh, of more ranks")
+    for n_ranks in (3, 2):
+        subprocess.run(command(n_ranks, folder / "in.vtu", folder / "out.pvtu", "--field"), check=True)
+        named = re.findall(r'<Piece Source="(.*?)"', (folder / "out.pvtu").read_text())
+        read = [meshio.read(folder / name) for name in named]
+        assert [sum(len(block.data) for block in piece.cells) for piece in read] == [1], read
+        assert sorted(map(tuple, read[0].points)) == sorted(map(tuple, points))
+    assert leftovers(folder, {"in.vtu", "out.pvtu"}) == named, leftovers(folder, set())
+    subprocess.run(command(2, folder / "out.pvtu", folder / "again.pvtu"), check=True)  # and by us
 
 
 def leftovers(folder, keep):
@@ -166,7 +202,7 @@ def check_killed(folder):
 
 
 if __name__ == "__main__":
-    for check in (check_same, check_failures, check_killed):
+    for check in (check_same, check_formats, check_empty_ranks, check_failures, check_killed):
         with tempfile.TemporaryDirectory() as name:
             check(pathlib.Path(name))
         print(check.__name__, "passed")

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSL-1.0
+#include "framehex/adapters/zlib_compression.hpp"
 #include "framehex/distributed/read_parts.hpp"
 #include "framehex/distributed/validation.hpp"
 #include "framehex/distributed/write_pvtu.hpp"
+#include "framehex/io/mesh_writer.hpp"
 
 #include "distributed/parts.hpp"
 #include "support/kuhn_lattice.hpp"
 #include "support/temporary_folder.hpp"
+
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -73,6 +79,35 @@ std::vector<std::array<double, 12>> all_cells(const MpiTransport& transport, con
   return cells;
 }
 
+MixedMesh with_regions(const IndexedTetMesh& mesh) {
+  MixedMesh whole;
+  whole.points = mesh.points;
+  for (const auto& tet : mesh.tets) whole.add(CellKind::tetrahedron, tet);
+  for (std::size_t c = 0; c < mesh.tets.size(); ++c) whole.regions.push_back(static_cast<index_t>(c % 3));
+  return whole;
+}
+
+/// While it lives the process gets no more memory than so many bytes beyond what it has. Mapped files do not count.
+class MemoryLimit {
+public:
+  explicit MemoryLimit(std::size_t more) {
+    ::malloc_trim(0);
+    ::getrlimit(RLIMIT_DATA, &before_);
+    std::ifstream statm("/proc/self/statm");
+    std::array<std::size_t, 6> pages{};
+    for (std::size_t& n : pages) statm >> n;
+    rlimit limit = before_;
+    limit.rlim_cur = pages[5] * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more;
+    ::setrlimit(RLIMIT_DATA, &limit);
+  }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+  ~MemoryLimit() { ::setrlimit(RLIMIT_DATA, &before_); }
+
+private:
+  rlimit before_{};
+};
+
 }  // namespace
 
 TEST_CASE("pieces are read back as the mesh they were, with and without numbers, and by the program's serial reader") {
@@ -90,13 +125,18 @@ TEST_CASE("pieces are read back as the mesh they were, with and without numbers,
     distributed::validate(read.part, transport);
     CHECK(read.regions.empty());
     CHECK((all_cells(transport, read.part.mesh) == all_cells(transport, part.mesh)));
-    auto ids = read.part.cell_ids, expected = part.cell_ids;
+    // Which rank has which cells is as before only where each has a piece.
+    auto ids = distributed::detail::gathered(transport, read.part.cell_ids);
+    auto expected = distributed::detail::gathered(transport, part.cell_ids);
     std::sort(ids.begin(), ids.end());
     std::sort(expected.begin(), expected.end());
     CHECK((ids == expected));
-    // A piece has its own cells and those that touch them, marked.
+    // A piece has its own cells and those that touch them, marked; there is none of nothing, of an older mesh neither.
+    const auto path = folder / ("mesh_" + std::to_string(transport.rank()) + ".vtu");
+    REQUIRE(std::filesystem::exists(path) == !part.cell_ids.empty());
+    if (part.cell_ids.empty()) continue;
     VtuPieceArrays arrays;
-    const MixedMesh piece = read_vtu_piece(folder / ("mesh_" + std::to_string(transport.rank()) + ".vtu"), arrays);
+    const MixedMesh piece = read_vtu_piece(path, arrays);
     std::vector<char> is_here(mesh.points.size(), 0);
     for (const std::int64_t v : part.vertex_ids) is_here[static_cast<std::size_t>(v)] = 1;
     std::ptrdiff_t n_ghosts = 0;
@@ -168,26 +208,104 @@ TEST_CASE("partitions as Gmsh saves them: parts of entities have groups, ghosts 
 TEST_CASE("a file is dealt out with its numbers, and what cannot be read is one error on all ranks") {
   const MpiTransport transport(MPI_COMM_WORLD);
   const SharedFolder folder(transport);
-  const IndexedTetMesh mesh = test::kuhn_lattice(3);
+  const IndexedTetMesh mesh = test::kuhn_lattice(14);  // more than one block's worth of cells for a rank
+  const std::array<std::string, 5> names{"mesh.vtu", "zlib.vtu", "mesh.msh", "old.msh", "mesh.mesh"};
   if (transport.rank() == 0) {
-    MixedMesh whole;
-    whole.points = mesh.points;
-    for (const auto& tet : mesh.tets) whole.add(CellKind::tetrahedron, tet);
-    for (std::size_t c = 0; c < mesh.tets.size(); ++c) whole.regions.push_back(static_cast<index_t>(c % 3));
-    write_vtu(folder / "mesh.vtu", whole);
+    const MixedMesh whole = with_regions(mesh);
+    write_vtu(folder / names[0], whole);
+    write_vtu(folder / names[1], whole, {}, zlib_compression());
+    write_msh(folder / names[2], whole);
+    write_msh2(folder / names[3], whole);
+    write_medit(folder / names[4], whole);
   }
   transport.agree();
-  const ReadPart read = read_parts(folder / "mesh.vtu", transport);
-  distributed::validate(read.part, transport);
-  REQUIRE(read.regions.size() == read.part.cell_ids.size());
-  for (std::size_t c = 0; c < read.regions.size(); ++c) {
-    const auto id = static_cast<std::size_t>(read.part.cell_ids[c]);
-    CHECK(read.regions[c] == id % 3);
-    for (std::size_t i = 0; i < 4; ++i) CHECK(read.part.vertex_ids[read.part.mesh.tets[c][i]] == mesh.tets[id][i]);
+  for (const std::string& name : names) {
+    INFO(name);
+    const ReadPart read = read_parts(folder / name, transport);
+    distributed::validate(read.part, transport);
+    REQUIRE(read.regions.size() == read.part.cell_ids.size());
+    std::vector<std::int64_t> ids = distributed::detail::gathered(transport, read.part.cell_ids);
+    std::sort(ids.begin(), ids.end());
+    REQUIRE(ids.size() == mesh.tets.size());
+    CHECK((ids.front() == 0 && std::adjacent_find(ids.begin(), ids.end()) == ids.end()));
+    std::size_t n_wrong = 0;
+    // Gmsh's files have cells in the order of their regions.
+    if (!name.ends_with(".msh"))
+      for (std::size_t c = 0; c < read.regions.size(); ++c) {
+        const auto id = static_cast<std::size_t>(read.part.cell_ids[c]);
+        n_wrong += read.regions[c] != id % 3;
+        for (std::size_t i = 0; i < 4; ++i)
+          n_wrong += read.part.vertex_ids[read.part.mesh.tets[c][i]] != mesh.tets[id][i];
+      }
+    CHECK(n_wrong == 0);
+    CHECK((all_cells(transport, read.part.mesh) ==
+           all_cells(transport, transport.rank() == 0 ? mesh : IndexedTetMesh{})));
+    std::vector<index_t> regions = distributed::detail::gathered(transport, read.regions);
+    CHECK(std::count(regions.begin(), regions.end(), 2) == static_cast<std::ptrdiff_t>(mesh.tets.size() / 3));
   }
   CHECK_THROWS_AS(read_parts(folder / "none.vtu", transport), remote_error);
   CHECK_THROWS_AS(read_parts(folder / "none.pvtu", transport), remote_error);
   CHECK_THROWS_AS(read_parts(folder / "none.msh", transport), remote_error);
+}
+
+TEST_CASE("faults of a file that is dealt out are found, wherever they come to light") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const std::string msh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n";
+  const std::string nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n";
+  const std::string medit = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 1\n1 0 0 1\n0 1 0 1\n";
+  struct Fault {
+    std::string name, bytes, message;
+  };
+  const std::vector<Fault> faults{
+      {"twice.msh", msh + nodes + "3 0 0 1\n7 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 7\n$EndElements\n",
+       "node 3 stands twice"},
+      {"missing.msh", msh + nodes + "6 0 0 1\n7 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 5000\n$EndElements\n",
+       "refers to node 5000, which does not exist"},
+      {"infinite.msh", msh + nodes + "6 0 inf 1\n7 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 6\n$EndElements\n",
+       "vertex 3 has a coordinate that is not finite"},
+      {"beyond.mesh", medit + "0 0 1 1\nTetrahedra 1\n1 2 3 5 1\nEnd\n", "cell 0 refers to vertex 4 of 4"},
+      {"prism.mesh", medit + "0 0 1 1\nPyramids 1\n1 2 3 4 4 1\nEnd\n", "cell 0 is not a tetrahedron"},
+      {"count.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices 1000000000\n0 0 0 1\n",
+       "is 1000000000, more than the file can hold"},
+      {"none.mesh", medit + "0 0 1 1\nTriangles 1\n1 2 3 1\nEnd\n", "holds no tetrahedron"}};
+  if (transport.rank() == 0)
+    for (const Fault& fault : faults) std::ofstream(folder / fault.name) << fault.bytes;
+  transport.agree();
+  for (const Fault& fault : faults) {
+    INFO(fault.name);
+    CHECK_THROWS_WITH(read_parts(folder / fault.name, transport), Catch::Contains(fault.message));
+  }
+}
+
+TEST_CASE("the rank that deals out a file never has all of it") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  if (transport.n_ranks() < 5) return;  // its own share is large then
+  const SharedFolder folder(transport);
+  const index_t n = 60;
+  const std::array<std::string, 3> names{"mesh.vtu", "mesh.msh", "mesh.mesh"};
+  if (transport.rank() == 0) {
+    const MixedMesh whole = with_regions(test::kuhn_lattice(n));
+    write_vtu(folder / names[0], whole);
+    write_msh(folder / names[1], whole);
+    write_medit(folder / names[2], whole);
+  }
+  transport.agree();
+  for (const std::string& name : names) {
+    INFO(name);
+    distributed::detail::DealtShare share;
+    if (transport.rank() == 0) {
+      // What the process may have more than it has now: less than the file's mesh, as it turns out.
+      const MemoryLimit limit(std::size_t{100} << 20);
+      CHECK_THROWS_AS(read_mesh(folder / name), std::bad_alloc);
+      distributed::detail::deal_file(transport, folder / name, {}, share);
+    } else {
+      distributed::detail::receive_dealt(transport, share);
+    }
+    CHECK(distributed::detail::sum_of(transport, static_cast<std::int64_t>(share.cells.size())) == 6 * n * n * n);
+    CHECK(distributed::detail::sum_of(transport, static_cast<std::int64_t>(share.points.size())) ==
+          (n + 1) * (n + 1) * (n + 1));
+  }
 }
 
 TEST_CASE("where a rank cannot write, no file is left") {

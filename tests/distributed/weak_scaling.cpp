@@ -66,14 +66,16 @@ void run(const MpiTransport& transport, index_t n, bool is_field, std::size_t pa
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   const Traffic& traffic = transport.traffic();
-  const std::vector<double> mine{
-      seconds(usage.ru_utime),  seconds(usage.ru_stime),      1e-3 * double(usage.ru_maxrss), traffic.seconds,
-      double(traffic.messages), 1e-6 * double(traffic.bytes), double(traffic.collectives)};
+  const std::vector<double> mine{seconds(usage.ru_utime) + seconds(usage.ru_stime) - traffic.seconds,
+                                 traffic.seconds,
+                                 1e-3 * double(usage.ru_maxrss),
+                                 double(traffic.messages),
+                                 1e-6 * double(traffic.bytes),
+                                 double(traffic.collectives)};
   const std::vector<double> all = distributed::detail::gathered(transport, mine);
   if (transport.rank() != 0) return;
   std::printf("%2d ranks of %zu tetrahedra, mean and largest of a rank:", transport.n_ranks(), part.mesh.tets.size());
-  constexpr std::array<const char*, 7> names{"user s",   "system s", "MB",         "in MPI s",
-                                             "messages", "MB sent",  "collectives"};
+  constexpr std::array<const char*, 6> names{"s", "in MPI s", "MB", "messages", "MB sent", "collectives"};
   for (std::size_t i = 0; i < mine.size(); ++i) {
     double sum = 0, largest = 0;
     for (std::size_t r = i; r < all.size(); r += mine.size()) {

@@ -527,3 +527,24 @@ TEST_CASE("damaged files are refused or read, never worse", "[robustness]") {
   CHECK(n_refused > samples.size() * 100);
   CHECK(n_read > 0);
 }
+
+TEST_CASE("what else stands in a .vtu, in and around its arrays, is passed over, and lines are counted all the same") {
+  const test::TemporaryFolder folder;
+  const std::string begin =
+      "<?xml version='1.0'?>\n<VTKFile type='UnstructuredGrid' version='0.1'>\n"
+      "<!-- a <DataArray> that is none -->\n<UnstructuredGrid><Piece NumberOfPoints='4' NumberOfCells='1'>\n"
+      "<Points><DataArray type='Float64' Name='a > b' NumberOfComponents=\"3\" format='ascii'>\n"
+      "<InformationKey name='L2_NORM_RANGE' length='2'>\n<Value index='0'>7</Value><Value index='1'>8</Value>\n"
+      "</InformationKey>\n<!-- 9 -->\n0 0 0 1 0 0\n0 1 0 0 0 1\n</DataArray></Points>\n<Cells>\n"
+      "<DataArray type='Int64' Name='connectivity' format='ascii'>0\n1 2 3</DataArray>\n"
+      "<DataArray type='Int64' Name='offsets' format='ascii'>4</DataArray>\n"
+      "<DataArray type='UInt8' Name='types' format='ascii'>10</DataArray>\n</Cells>\n";
+  const MixedMesh mesh = read_mesh(folder.write("good.vtu", begin + "</Piece></UnstructuredGrid>\n</VTKFile>\n"));
+  REQUIRE(mesh.points.size() == 4);
+  CHECK((mesh.points[1] == Vector3(1, 0, 0)));
+  CHECK((mesh.points[3] == Vector3(0, 0, 1)));
+  CHECK(mesh.n_cells() == 1);
+  const auto n_lines = static_cast<std::size_t>(std::count(begin.begin(), begin.end(), '\n'));
+  CHECK_THROWS_WITH(read_mesh(folder.write("bad.vtu", begin + "</Piece>\n</Unstructured>\n")),
+                    Contains("line " + std::to_string(n_lines + 2)));
+}

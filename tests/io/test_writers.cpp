@@ -7,7 +7,9 @@
 #include "support/four_cells.hpp"
 #include "support/temporary_folder.hpp"
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -345,6 +347,46 @@ TEST_CASE("a folder or file without write permission is refused", "[permission]"
   CHECK_THROWS_WITH(write_mesh(folder / "new.vtu", test::four_cells()), Contains("Permission denied"));
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
   CHECK(read_file(file) == "old");
+}
+
+TEST_CASE("of a process that is killed while it writes nothing is left, and the next removes what others left") {
+  const test::TemporaryFolder folder;
+  const auto old_file = folder.write("old.vtu", "old");
+  // What a file system without files without names leaves: of a process that is no more, and of one that is.
+  const pid_t killed = ::fork();
+  if (killed == 0) {
+    OutputFile file(folder / "new.vtu"), other(folder / "old.vtu");
+    for (OutputFile* f : {&file, &other}) {
+      f->write(std::string(1 << 20, 'x'));
+      f->finish();
+    }
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(killed, &status, 0) == killed);
+  REQUIRE(WIFSIGNALED(status));
+  const int probe = ::open(folder.path().c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (probe >= 0) {
+    ::close(probe);
+    CHECK(folder.n_entries() == 1);
+  }
+  CHECK(read_file(old_file) == "old");
+
+  std::string name = OutputFile::temporary_name(old_file);
+  const auto of_process = [&](pid_t process) {
+    const std::string own = std::to_string(::getpid());
+    return std::filesystem::path(
+        std::string(name).replace(name.rfind(own + ".partial"), own.size(), std::to_string(process)));
+  };
+  const auto abandoned = of_process(killed), in_use = of_process(::getppid());
+  folder.write(abandoned.filename().string(), "half");
+  folder.write(in_use.filename().string(), "half");
+  OutputFile file(old_file);
+  file.write("new");
+  file.commit();
+  CHECK(read_file(old_file) == "new");
+  CHECK(!std::filesystem::exists(abandoned));
+  CHECK(std::filesystem::exists(in_use));
 }
 
 TEST_CASE("a file not committed does not appear; a link is followed") {

@@ -36,6 +36,7 @@ std::array<Vector3, 8> corners_of(const std::vector<Vector3>& points, const std:
 struct Found {
   std::multiset<Coordinates> candidates, taken, improved;
   double weight = 0, improved_weight = 0;
+  std::size_t n_at_border = 0, n_told = 0;
 };
 
 Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_size) {
@@ -59,19 +60,19 @@ Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_si
     auto candidates = detail::find_candidates_at(patch, own, {}, SerialExecutor{});
     std::vector<double> weights;
     for (index_t i = 0; i < candidates.size(); ++i) weights.push_back(volume_times_quality(candidates)(i));
-    const auto pool =
-        detail::BorderExchange(transport, partition, patch).run(std::move(candidates), std::move(weights));
-    const ImplicitIncompatibilityGraph graph(pool.candidates, [&](index_t i) { return pool.weights[i]; });
+    detail::CandidatePool pool(patch, std::move(candidates), std::move(weights));
+    detail::BorderExchange border(transport, partition, pool);
     detail::CandidateStates states(transport, pool);
-    detail::GreedyRounds rounds(transport, pool, graph, states);
+    detail::GreedyRounds rounds(transport, pool, border, states);
     if (!rounds.run([] { return false; })) throw std::runtime_error("stopped");
     std::vector<std::uint8_t> greedy;
     for (index_t i = 0; i < pool.n_own; ++i)
       greedy.push_back(states[i] == detail::CandidateStates<test::ThreadTransport>::taken);
+    const std::size_t n_told = pool.copies.size();
     const Observer nobody;
     detail::CallingThread thread(nobody);
     const SerialExecutor serial;
-    detail::ContenderTurns turns(transport, pool, graph, states, serial, thread);
+    detail::ContenderTurns turns(transport, pool, border, states, serial, thread);
     for (const double shift : {0.0, 0.4, 0.2}) {
       const MortonCube shifted(low, high, shift);
       std::vector<MortonCube::Code> own_codes;
@@ -81,12 +82,14 @@ Found find_on_ranks(const IndexedTetMesh& mesh, int n_ranks, std::size_t part_si
     }
     states.reopen();
     states.exchange();
-    if (!detail::GreedyRounds(transport, pool, graph, states).run([] { return false; }))
+    if (!detail::GreedyRounds(transport, pool, border, states).run([] { return false; }))
       throw std::runtime_error("stopped");
     const std::lock_guard lock(mutex);
+    found.n_told += n_told;
     for (index_t i = 0; i < pool.n_own; ++i) {
       const Coordinates key = key_of(corners_of(pool.points, pool.candidates.vertices[i]));
       found.candidates.insert(key);
+      if (border.is_at_border(i)) ++found.n_at_border;
       if (greedy[i]) {
         found.taken.insert(key);
         found.weight += pool.weights[i];
@@ -143,5 +146,16 @@ TEST_CASE("candidates and greedy selection of parts are those of the whole mesh"
         CHECK(parts.improved == improved);
       }
     }
+  }
+}
+
+TEST_CASE("ranks are told of few of the candidates at their borders") {
+  // A candidate that has a corner in common with another rank's would be known to one rank more, at least.
+  for (const int n_ranks : {2, 5}) {
+    const Found parts = find_on_ranks(test::jittered_kuhn(12, 0.1), n_ranks, 2000);
+    CAPTURE(n_ranks, parts.n_at_border, parts.n_told);
+    CHECK(parts.n_at_border > 10000);
+    CHECK(parts.n_told > 0);
+    CHECK(3 * parts.n_told < parts.n_at_border);
   }
 }

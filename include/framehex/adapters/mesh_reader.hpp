@@ -25,6 +25,12 @@ inline MeshFormat read_mesh_format(const std::filesystem::path& path) {
   return *format;
 }
 
+/// @throws io_error  when an array is wanted of a format that has none.
+inline void check_has_arrays(const std::filesystem::path& path, MeshFormat format, const MeshReadOptions& options) {
+  if (format != MeshFormat::vtk && format != MeshFormat::vtu && !options.regions.empty())
+    throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
+}
+
 }  // namespace detail
 
 /// Reads a volume mesh in the format that the extension tells: .vtu .vtk .msh .mesh .meshb. Needs pugixml, zlib and
@@ -37,10 +43,9 @@ inline MeshFormat read_mesh_format(const std::filesystem::path& path) {
 inline MixedMesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                            MeshReadNotes* notes = nullptr) {
   const MeshFormat format = detail::read_mesh_format(path);
+  detail::check_has_arrays(path, format, options);
   if (format == MeshFormat::vtk) return read_legacy_vtk(path, options, notes);
   if (format == MeshFormat::vtu) return read_vtu(path, options, notes);
-  if (!options.regions.empty())
-    throw io_error(path.string() + ": has no arrays by cell; regions are its physical groups or references");
   if (format != MeshFormat::msh) return read_medit(path, options.volume);
   return read_msh(path, options.volume, notes && options.arrays == FileArrays::read ? &notes->data : nullptr);
 }

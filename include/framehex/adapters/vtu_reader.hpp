@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/adapters/detail/vtu_arrays.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/label_arrays.hpp"
 #include "framehex/io/mesh_builder.hpp"
 
-#include <lzma.h>
-#include <zlib.h>
 #include <pugixml.hpp>
 
 #include <set>
@@ -22,73 +21,23 @@ struct VtuPieceArrays {
 
 namespace detail {
 
-/// Decodes base64 up to the first character that is none; padding may stand inside, where two encoded runs meet.
-inline std::string decode_base64(std::string_view text, std::size_t n_wanted) {
-  const auto value = [](char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    return c == '+' ? 62 : c == '/' ? 63 : -1;
-  };
-  std::string bytes;
-  unsigned bits = 0;
-  int n_bits = 0;
-  for (const char c : text) {
-    if (bytes.size() >= n_wanted) break;
-    const int v = value(c);
-    if (v < 0) {
-      if (c != '=') break;
-      n_bits = 0;  // the run ends here
-      continue;
-    }
-    bits = (bits << 6 | static_cast<unsigned>(v)) & 0xffffu;
-    if ((n_bits += 6) >= 8) {
-      n_bits -= 8;
-      bytes += static_cast<char>(bits >> n_bits & 0xffu);
-    }
-  }
-  return bytes;
-}
-
-/// Unpacks a block of deflated bytes. @return whether it is whole and has the size of `block`.
-inline bool unpack_zlib(std::string_view packed, std::string& block) {
-  uLongf length = static_cast<uLongf>(block.size());
-  return uncompress(reinterpret_cast<Bytef*>(block.data()), &length, reinterpret_cast<const Bytef*>(packed.data()),
-                    static_cast<uLong>(packed.size())) == Z_OK &&
-         length == block.size();
-}
-
-/// The same for xz.
-inline bool unpack_lzma(std::string_view packed, std::string& block) {
-  std::uint64_t memory = std::uint64_t{1} << 30;
-  std::size_t in = 0, out = 0;
-  const auto* const from = reinterpret_cast<const std::uint8_t*>(packed.data());
-  auto* const to = reinterpret_cast<std::uint8_t*>(block.data());
-  return lzma_stream_buffer_decode(&memory, 0, nullptr, from, &in, packed.size(), to, &out, block.size()) == LZMA_OK &&
-         out == block.size();
-}
-
+/// @tparam Builder  takes what is found, as MeshBuilder does.
+template <class Builder = MeshBuilder>
 class VtuReader {
 public:
-  VtuReader(std::string name, std::string bytes)
-      : name_(std::move(name)), bytes_(std::move(bytes)), builder_(name_, 0) {}
+  /// @param bytes    of the file; must outlive this, as must the builder.
+  /// @param release  gives back memory of what was looked at of them; may be empty.
+  VtuReader(std::string name, std::string_view bytes, Builder& builder, std::function<void()> release = {})
+      : name_(std::move(name)), bytes_(bytes), builder_(builder), release_(std::move(release)) {}
 
   /// @param lengths  receives values by point when not null. @param arrays  receives what it has when not null.
-  MixedMesh read(const MeshReadOptions& options, MeshReadNotes& notes, PointLengths* lengths = nullptr,
-                 VtuPieceArrays* arrays = nullptr) {
+  auto read(const MeshReadOptions& options, MeshReadNotes& notes, PointLengths* lengths = nullptr,
+            VtuPieceArrays* arrays = nullptr) {
     parse();
     const pugi::xml_node root = document_.child("VTKFile");
     if (!root) fail("not a VTK XML file");
     if (std::string_view(root.attribute("type").value()) != "UnstructuredGrid") fail("not an unstructured grid");
-    order_ =
-        std::string_view(root.attribute("byte_order").value()) == "BigEndian" ? std::endian::big : std::endian::little;
-    header_bytes_ = std::string_view(root.attribute("header_type").value()) == "UInt64" ? 8 : 4;
-    const std::string_view compressor = root.attribute("compressor").value();
-    compressed_ = !compressor.empty();
-    is_lzma_ = compressor == "vtkLZMADataCompressor";
-    if (compressed_ && !is_lzma_ && compressor != "vtkZLibDataCompressor")
-      fail("compressed by " + Cursor::printable(compressor) +
-           ", which is not read (vtkZLibDataCompressor and vtkLZMADataCompressor are)");
+    read_encoding(root);
     const pugi::xml_node grid = root.child("UnstructuredGrid");
     if (!grid.child("Piece")) fail("holds no Piece");
     choose_labels(grid.child("Piece"), options, notes);
@@ -109,7 +58,8 @@ private:
   /// Raw appended data are no XML: the document is cut there.
   void parse() {
     std::string_view xml = bytes_;
-    const std::size_t tag = xml.find("<AppendedData");
+    std::size_t n_lines = 0;
+    const std::size_t tag = find_far(xml, "<AppendedData", 0, release_, n_lines);
     if (tag != xml.npos) {
       const std::size_t begin = xml.find('_', xml.find('>', tag));
       if (begin == xml.npos) fail("the appended data do not begin");
@@ -117,110 +67,47 @@ private:
       appended_ = xml.substr(begin + 1);
       xml = xml.substr(0, tag);
     }
-    std::string text(xml);
-    if (tag != std::string::npos) text += "</VTKFile>";
-    const pugi::xml_parse_result result = document_.load_buffer(text.data(), text.size());
+    VtuSkeleton skeleton(xml, release_);
+    if (tag != std::string::npos) skeleton.xml += "</VTKFile>";
+    const pugi::xml_parse_result result = document_.load_buffer(skeleton.xml.data(), skeleton.xml.size());
     if (!result) {
-      const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::clamp<std::ptrdiff_t>(
-                                          result.offset, 0, static_cast<std::ptrdiff_t>(text.size())));
-      const auto line = static_cast<std::size_t>(1 + std::count(text.begin(), end, '\n'));
+      const std::size_t line = skeleton.line(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)));
       throw io_error(name_ + ": line " + std::to_string(line) + ": " + result.description(), Entity::line, {line});
     }
+    texts_ = std::move(skeleton.texts);
   }
 
-  std::uint64_t header(std::string_view bytes, std::size_t i) const {
-    Cursor in(name_, bytes.substr(i * header_bytes_));
-    return header_bytes_ == 8 ? in.raw<std::uint64_t>(order_) : in.raw<std::uint32_t>(order_);
+  void read_encoding(pugi::xml_node root) {
+    using Compression = VtuEncoding::Compression;
+    const bool is_big = std::string_view(root.attribute("byte_order").value()) == "BigEndian";
+    encoding_.order = is_big ? std::endian::big : std::endian::little;
+    encoding_.header_bytes = std::string_view(root.attribute("header_type").value()) == "UInt64" ? 8 : 4;
+    const std::string_view compressor = root.attribute("compressor").value();
+    if (compressor.empty()) return;
+    encoding_.compression = compressor == "vtkLZMADataCompressor" ? Compression::lzma : Compression::zlib;
+    if (encoding_.compression == Compression::zlib && compressor != "vtkZLibDataCompressor")
+      fail("compressed by " + Cursor::printable(compressor) +
+           ", which is not read (vtkZLibDataCompressor and vtkLZMADataCompressor are)");
   }
 
-  /// Bytes [from, from + n) of an encoded stream that begins at a run of base64, or raw.
-  std::string stream(std::string_view data, bool base64, std::size_t from, std::size_t n) const {
-    if (!base64) {
-      if (from > data.size() || n > data.size() - from) fail("the file ends within binary data");
-      return std::string(data.substr(from, n));
-    }
-    if (n > data.size() || from > data.size()) fail("the file ends within binary data");
-    std::string bytes = decode_base64(data, from + n);
-    if (bytes.size() < from + n) fail("the file ends within binary data");
-    return bytes.substr(from);
-  }
-
-  std::string binary(std::string_view data, bool base64) const {
-    if (!compressed_) {
-      const std::uint64_t n = header(stream(data, base64, 0, header_bytes_), 0);
-      return stream(data, base64, header_bytes_, n);
-    }
-    const std::string head = stream(data, base64, 0, 3 * header_bytes_);
-    const std::uint64_t n_blocks = header(head, 0), unpacked_size = header(head, 1), last_size = header(head, 2);
-    if (n_blocks == 0) return {};
-    if (n_blocks > data.size()) fail("a count of compressed blocks is more than the file can hold");
-    const std::string sizes = stream(data, base64, 3 * header_bytes_, n_blocks * header_bytes_);
-    std::string out;
-    std::size_t at = (3 + n_blocks) * header_bytes_;
-    std::uint64_t n_compressed = 0;
-    for (std::size_t b = 0; b < n_blocks; ++b) {
-      const std::uint64_t n = header(sizes, b);
-      if (n > data.size()) fail("a compressed block is longer than the file");
-      n_compressed += n;
-    }
-    const std::string packed = stream(data, base64, at, n_compressed);
-    at = 0;
-    for (std::size_t b = 0; b < n_blocks; ++b) {
-      const std::uint64_t n = header(sizes, b);
-      const std::uint64_t expected = b + 1 == n_blocks && last_size != 0 ? last_size : unpacked_size;
-      // No byte can stand for more: deflate's limit is 1032, that of xz below 10000.
-      if (expected / (is_lzma_ ? 10000 : 1100) > n) fail("a compressed block unpacks to more than it can");
-      std::string block(expected, '\0');
-      const std::string_view bytes = std::string_view(packed).substr(at, n);
-      if (!(is_lzma_ ? unpack_lzma(bytes, block) : unpack_zlib(bytes, block))) fail("a compressed block is damaged");
-      out += block;
-      at += n;
-    }
-    return out;
-  }
-
-  template <class Stored, class Value>
-  std::vector<Value> convert(const std::string& bytes) const {
-    std::vector<Stored> stored(bytes.size() / sizeof(Stored));
-    Cursor(name_, bytes).raw(stored.data(), stored.size(), order_);
-    std::vector<Value> values;
-    values.reserve(stored.size());
-    for (const Stored x : stored) values.push_back(static_cast<Value>(x));
-    return values;
+  VtuValues open(pugi::xml_node array) const {
+    const std::string_view format = array.attribute("format").value(), type = array.attribute("type").value();
+    // There is no number in an array without text, or in none.
+    const std::string_view number = array.text().get();
+    std::size_t place = texts_.size();
+    std::from_chars(number.data(), number.data() + number.size(), place);
+    const std::string_view text = place < texts_.size() ? texts_[place] : std::string_view();
+    if (format == "ascii" || format.empty()) return {name_, text};
+    if (format == "binary") return {name_, VtuBytes(name_, text, true, encoding_), type, encoding_.order};
+    if (format != "appended") fail("a DataArray of format \"" + Cursor::printable(format) + "\"");
+    const std::size_t offset = array.attribute("offset").as_ullong();
+    if (offset >= appended_.size()) fail("an array begins after the end of the file");
+    return {name_, VtuBytes(name_, appended_.substr(offset), appended_is_base64_, encoding_), type, encoding_.order};
   }
 
   template <class Value>
   std::vector<Value> values(pugi::xml_node array) const {
-    const std::string_view format = array.attribute("format").value(), type = array.attribute("type").value();
-    if (format == "ascii" || format.empty()) {
-      std::vector<Value> out;
-      Cursor in(name_, array.text().get());
-      while (!in.at_end()) out.push_back(in.number<Value>("a number of a DataArray"));
-      return out;
-    }
-    std::string bytes;
-    if (format == "appended") {
-      const std::size_t offset = array.attribute("offset").as_ullong();
-      if (offset >= appended_.size()) fail("an array begins after the end of the file");
-      bytes = binary(appended_.substr(offset), appended_is_base64_);
-    } else if (format == "binary") {
-      std::string_view text = array.text().get();
-      text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-      bytes = binary(text, true);
-    } else {
-      fail("a DataArray of format \"" + Cursor::printable(format) + "\"");
-    }
-    if (type == "Float64") return convert<double, Value>(bytes);
-    if (type == "Float32") return convert<float, Value>(bytes);
-    if (type == "Int64") return convert<std::int64_t, Value>(bytes);
-    if (type == "UInt64") return convert<std::uint64_t, Value>(bytes);
-    if (type == "Int32") return convert<std::int32_t, Value>(bytes);
-    if (type == "UInt32") return convert<std::uint32_t, Value>(bytes);
-    if (type == "Int16") return convert<std::int16_t, Value>(bytes);
-    if (type == "UInt16") return convert<std::uint16_t, Value>(bytes);
-    if (type == "Int8") return convert<std::int8_t, Value>(bytes);
-    if (type == "UInt8") return convert<std::uint8_t, Value>(bytes);
-    fail("a DataArray of type \"" + Cursor::printable(type) + "\"");
+    return open(array).template all<Value>();
   }
 
   static bool is_integer_array(pugi::xml_node array) {
@@ -255,15 +142,30 @@ private:
       }
   }
 
-  std::vector<std::int64_t> read_labels(pugi::xml_node piece, std::size_t n_cells) const {
-    const pugi::xml_node array =
-        piece.child("CellData").find_child_by_attribute("DataArray", "Name", label_array_.c_str());
-    if (label_array_.empty() || !array) return std::vector<std::int64_t>(n_cells, 0);
-    std::vector<std::int64_t> labels =
-        is_integer_array(array) ? values<std::int64_t>(array) : labels_of(name_, label_array_, values<double>(array));
-    if (labels.size() != n_cells) fail("array \"" + label_array_ + "\" holds another number of cells than told");
-    return labels;
-  }
+  /// Labels of the next cells.
+  class Labels {
+  public:
+    Labels(const VtuReader& reader, pugi::xml_node piece) : reader_(reader) {
+      const auto array =
+          piece.child("CellData").find_child_by_attribute("DataArray", "Name", reader.label_array_.c_str());
+      if (reader.label_array_.empty() || !array) return;
+      is_integer_ = is_integer_array(array);
+      values_.emplace(reader.open(array));
+    }
+
+    std::vector<std::int64_t> next(std::size_t n) {
+      if (!values_) return std::vector<std::int64_t>(n, 0);
+      return is_integer_ ? values_->template next<std::int64_t>(n)
+                         : labels_of(reader_.name_, reader_.label_array_, values_->template next<double>(n));
+    }
+    /// How many there are beyond what was read.
+    bool ends() { return !values_ || values_->template next<double>(1).empty(); }
+
+  private:
+    const VtuReader& reader_;
+    std::optional<VtuValues> values_;
+    bool is_integer_ = true;
+  };
 
   /// The array of a name, where there is one of as many rows.
   void read_numbers(pugi::xml_node data, const char* wanted, std::size_t n, std::vector<std::int64_t>& numbers) const {
@@ -320,53 +222,103 @@ private:
 
   void read_piece(pugi::xml_node piece) {
     const std::size_t n_points = piece.attribute("NumberOfPoints").as_ullong();
-    const std::size_t n_cells = piece.attribute("NumberOfCells").as_ullong();
-    const std::vector<double> x = values<double>(piece.child("Points").child("DataArray"));
-    if (x.size() % 3 != 0 || x.size() / 3 != n_points) fail("Points holds not three numbers for each point");
     const auto first = static_cast<std::int64_t>(builder_.n_points());
-    for (std::size_t i = 0; i < n_points; ++i) builder_.add_point(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    read_points(piece, n_points);
     if (lengths_) read_lengths(piece, n_points);
-
-    const pugi::xml_node cells = piece.child("Cells");
-    const auto array = [&](const char* wanted) {
-      const pugi::xml_node found = cells.find_child_by_attribute("DataArray", "Name", wanted);
-      if (!found) fail(std::string("Cells lacks ") + wanted);
-      return values<std::int64_t>(found);
-    };
-    std::vector<std::int64_t> connectivity = array("connectivity");
-    const std::vector<std::int64_t> offsets = array("offsets"), types = array("types");
-    if (offsets.size() != n_cells || types.size() != n_cells) fail("Cells holds another number of cells than told");
-    for (std::int64_t& v : connectivity) {
-      if (v < 0 || v >= static_cast<std::int64_t>(n_points)) v = std::int64_t{no_index};  // reported with its cell
-      v += v < std::int64_t{no_index} ? first : 0;
+    if (arrays_ || data_) {
+      const auto types = values<std::int64_t>(cell_array(piece, "types"));
+      if (arrays_) read_arrays(piece, n_points, types);
+      if (data_) read_data(piece, n_points, types);
     }
-    if (arrays_) read_arrays(piece, n_points, types);
-    if (data_) read_data(piece, n_points, types);
-    const std::vector<std::int64_t> labels = read_labels(piece, n_cells);
-    std::int64_t begin = 0;
-    for (std::size_t c = 0; c < n_cells; ++c) {
-      if (offsets[c] < begin || offsets[c] > static_cast<std::int64_t>(connectivity.size()))
-        throw io_error(name_ + ": the offset of cell " + std::to_string(n_read_ + c) + " is out of range", Entity::cell,
-                       {n_read_ + c});
-      const auto corners = std::span(connectivity)
-                               .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(offsets[c] - begin));
-      builder_.add_vtk(types[c], corners, labels[c], n_read_ + c);
-      begin = offsets[c];
-    }
-    n_read_ += n_cells;
+    read_cells(piece, static_cast<std::int64_t>(n_points), first);
   }
 
-  std::string name_, bytes_, label_array_;
+  /// Some at a time, so that the file need not be in memory.
+  static constexpr std::size_t n_at_once = std::size_t{1} << 14;
+
+  void read_points(pugi::xml_node piece, std::size_t n_points) {
+    VtuValues values = open(piece.child("Points").child("DataArray"));
+    std::size_t n_read = 0;
+    for (;;) {
+      const std::vector<double> x = values.next<double>(3 * n_at_once);
+      if (x.empty()) break;
+      n_read += x.size();
+      if (x.size() % 3 != 0 || n_read / 3 > n_points) break;
+      for (std::size_t i = 0; i < x.size(); i += 3) builder_.add_point(x[i], x[i + 1], x[i + 2]);
+    }
+    if (n_read != 3 * n_points) fail("Points holds not three numbers for each point");
+  }
+
+  pugi::xml_node cell_array(pugi::xml_node piece, const char* wanted) const {
+    const pugi::xml_node found = piece.child("Cells").find_child_by_attribute("DataArray", "Name", wanted);
+    if (!found) fail(std::string("Cells lacks ") + wanted);
+    return found;
+  }
+
+  void read_cells(pugi::xml_node piece, std::int64_t n_points, std::int64_t first) {
+    const std::size_t n_cells = piece.attribute("NumberOfCells").as_ullong();
+    VtuValues connectivity = open(cell_array(piece, "connectivity")), offsets = open(cell_array(piece, "offsets")),
+              types = open(cell_array(piece, "types"));
+    Labels labels(*this, piece);
+    const char* const other_number = "Cells holds another number of cells than told";
+    std::int64_t begin = 0;
+    for (std::size_t n = 0; n < n_cells;) {
+      const std::size_t n_now = std::min(n_at_once, n_cells - n);
+      const auto ends = offsets.next<std::int64_t>(n_now), kinds = types.next<std::int64_t>(n_now),
+                 labels_now = labels.next(n_now);
+      if (ends.size() != n_now || kinds.size() != n_now) fail(other_number);
+      if (labels_now.size() != n_now) fail_label_count();
+      const auto in_order = [&](std::size_t c) { return ends[c] >= (c > 0 ? ends[c - 1] : begin); };
+      std::size_t n_good = 0;
+      while (n_good < n_now && in_order(n_good)) ++n_good;
+      std::vector<std::int64_t> corners;
+      if (n_good > 0) corners = connectivity.next<std::int64_t>(static_cast<std::size_t>(ends[n_good - 1] - begin));
+      for (std::int64_t& v : corners) v = v < 0 || v >= n_points ? std::int64_t{no_index} : v + first;
+      const std::span<const std::int64_t> all(corners);
+      std::size_t from = 0;
+      for (std::size_t c = 0; c < n_good; ++c, ++n_read_) {
+        const auto to = static_cast<std::size_t>(ends[c] - begin);
+        if (to > corners.size()) fail_offset();
+        builder_.add_vtk(kinds[c], all.subspan(from, to - from), labels_now[c], n_read_);
+        from = to;
+      }
+      if (n_good < n_now) fail_offset();
+      begin = ends[n_now - 1];
+      n += n_now;
+    }
+    if (!offsets.next<std::int64_t>(1).empty() || !types.next<std::int64_t>(1).empty()) fail(other_number);
+    if (!labels.ends()) fail_label_count();
+  }
+
+  [[noreturn]] void fail_offset() const {
+    throw io_error(name_ + ": the offset of cell " + std::to_string(n_read_) + " is out of range", Entity::cell,
+                   {n_read_});
+  }
+  [[noreturn]] void fail_label_count() const {
+    fail("array \"" + label_array_ + "\" holds another number of cells than told");
+  }
+
+  std::string name_, label_array_;
+  std::string_view bytes_;
   pugi::xml_document document_;
+  std::vector<std::string_view> texts_;
   std::string_view appended_;
-  bool appended_is_base64_ = false, compressed_ = false, is_lzma_ = false;
-  std::endian order_ = std::endian::little;
-  std::size_t header_bytes_ = 4, n_read_ = 0;
-  MeshBuilder builder_;
+  bool appended_is_base64_ = false;
+  VtuEncoding encoding_;
+  std::size_t n_read_ = 0;
+  Builder& builder_;
+  std::function<void()> release_;
   PointLengths* lengths_ = nullptr;
   VtuPieceArrays* arrays_ = nullptr;
   MeshData* data_ = nullptr;
 };
+
+inline MixedMesh read_vtu_with(const std::filesystem::path& path, const MeshReadOptions& options, MeshReadNotes& notes,
+                               PointLengths* lengths = nullptr, VtuPieceArrays* arrays = nullptr) {
+  const std::string bytes = read_file(path);
+  MeshBuilder builder(path.string(), 0);
+  return VtuReader(path.string(), bytes, builder).read(options, notes, lengths, arrays);
+}
 
 }  // namespace detail
 
@@ -383,7 +335,7 @@ private:
 inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptions& options = {},
                           MeshReadNotes* notes = nullptr) {
   MeshReadNotes ignored;
-  return detail::VtuReader(path.string(), read_file(path)).read(options, notes ? *notes : ignored);
+  return detail::read_vtu_with(path, options, notes ? *notes : ignored);
 }
 
 /// Reads a piece of a parallel file, which may hold no cell.
@@ -391,8 +343,7 @@ inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptio
 /// @throws as `read_vtu`.
 inline MixedMesh read_vtu_piece(const std::filesystem::path& path, VtuPieceArrays& arrays) {
   MeshReadNotes ignored;
-  return detail::VtuReader(path.string(), read_file(path))
-      .read({.volume = Volume::optional}, ignored, nullptr, &arrays);
+  return detail::read_vtu_with(path, {.volume = Volume::optional}, ignored, nullptr, &arrays);
 }
 
 /// Reads a mesh of any cells, or of faces alone, and the lengths that an array by point of it holds.
@@ -401,7 +352,7 @@ inline MixedMesh read_vtu_piece(const std::filesystem::path& path, VtuPieceArray
 /// @throws as `read_vtu`; io_error when no array can be chosen, with the names of those there are.
 inline MixedMesh read_vtu_lengths(const std::filesystem::path& path, PointLengths& lengths) {
   MeshReadNotes ignored;
-  return detail::VtuReader(path.string(), read_file(path)).read({.volume = Volume::optional}, ignored, &lengths);
+  return detail::read_vtu_with(path, {.volume = Volume::optional}, ignored, &lengths);
 }
 
 }  // namespace framehex

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "framehex/adapters/mesh_reader.hpp"
+#include "framehex/distributed/detail/file_dealer.hpp"
 #include "framehex/distributed/detail/part_numbering.hpp"
 #include "framehex/distributed/run_collectively.hpp"
+#include "framehex/io/detail/mapped_file.hpp"
 
 namespace framehex::distributed {
 
@@ -132,69 +134,47 @@ inline ReadPart read_pieces(const MpiTransport& transport, const std::vector<std
   return read;
 }
 
-/// A file that the first rank reads, whole, and deals out in stretches of cells, one after the other.
+/// What the first rank does to deal out a file: reads it from the beginning to the end, of which no more than a block is in
+/// memory. Legacy .vtk, whose cells are told their types after all of them, is read whole.
+inline void deal_file(const MpiTransport& transport, const std::filesystem::path& path, const MeshReadOptions& options,
+                      DealtShare& own) {
+  const MeshFormat format = framehex::detail::read_mesh_format(path);
+  framehex::detail::check_has_arrays(path, format, options);
+  const std::string name = path.string();
+  if (format == MeshFormat::vtk) {
+    const MixedMesh mesh = read_mesh(path, options);
+    FileDealer<false> dealer(transport, name, own, {});
+    for (const Vector3& p : mesh.points) dealer.add_point(p.x(), p.y(), p.z());
+    for (std::size_t c = 0; c < mesh.n_cells(); ++c) {
+      const std::vector<std::int64_t> corners(mesh.cells[c].begin(), mesh.cells[c].end());
+      dealer.add(3, mesh.kinds[c], corners, mesh.regions.empty() ? 0 : mesh.regions[c], c);
+    }
+    return dealer.finish(options.volume);
+  }
+  const framehex::detail::MappedFile file(path);
+  const auto release = [&] { file.release(); };
+  if (format == MeshFormat::msh) {
+    FileDealer<true> dealer(transport, name, own, release);
+    return framehex::detail::MshReader(name, file.bytes(), dealer).read(options.volume);
+  }
+  FileDealer<false> dealer(transport, name, own, release);
+  if (format != MeshFormat::vtu) return framehex::detail::read_medit_into(dealer, path, file.bytes(), options.volume);
+  MeshReadNotes ignored;
+  framehex::detail::VtuReader(name, file.bytes(), dealer, release).read(options, ignored);
+}
+
+/// A file that the first rank reads and deals out.
 inline ReadPart deal_out(const MpiTransport& transport, const std::filesystem::path& path,
                          const std::string& region_array) {
-  struct Cell {
-    std::int64_t id;
-    std::array<index_t, 4> vertices;
-    index_t region;
-  };
-  const auto n_ranks = static_cast<std::size_t>(transport.n_ranks());
+  DealtShare share;
+  if (transport.rank() == 0)
+    deal_file(transport, path, {.volume = Volume::required, .regions = region_array}, share);
+  else
+    receive_dealt(transport, share);
+  const std::string extension = framehex::detail::lower_text(path.extension().string());
+  const std::int64_t first_label = extension == ".vtu" || extension == ".vtk" ? 0 : 1;
   ReadPart read;
-  IndexedTetMesh mesh;
-  std::vector<index_t> regions;
-  if (transport.rank() == 0) {
-    MixedMesh file = read_mesh(path, {.volume = Volume::required, .regions = region_array});
-    mesh = tetrahedra_of(file);
-    regions = std::move(file.regions);
-  }
-  std::vector<int> owner(mesh.points.size(), -1);
-  std::vector<index_t> number(mesh.points.size(), no_index), sent;
-  for (std::size_t rank = 0; rank < n_ranks; ++rank) {
-    std::vector<Parcel> parcels;
-    if (transport.rank() == 0) {
-      std::vector<Cell> cells;
-      sent.clear();
-      for (std::size_t c = rank * mesh.tets.size() / n_ranks; c < (rank + 1) * mesh.tets.size() / n_ranks; ++c) {
-        Cell& cell = cells.emplace_back(
-            Cell{static_cast<std::int64_t>(c), mesh.tets[c], regions.empty() ? index_t{0} : regions[c]});
-        for (index_t& v : cell.vertices) {
-          if (owner[v] < 0) owner[v] = static_cast<int>(rank);
-          if (number[v] == no_index) {
-            number[v] = static_cast<index_t>(sent.size());
-            sent.push_back(v);
-          }
-          v = number[v];
-        }
-      }
-      std::vector<std::int64_t> ids;
-      std::vector<int> owners;
-      std::vector<Vector3> points;
-      for (const index_t v : sent) {
-        ids.push_back(v);
-        owners.push_back(owner[v]);
-        points.push_back(mesh.points[v]);
-        number[v] = no_index;
-      }
-      Parcel& parcel = parcels.emplace_back(Parcel{static_cast<int>(rank), {}});
-      pack(parcel.bytes, ids);
-      pack(parcel.bytes, owners);
-      pack(parcel.bytes, points);
-      pack(parcel.bytes, cells);
-    }
-    for (const Parcel& p : transport.exchange(std::move(parcels))) {
-      Unpacker in(p.bytes);
-      read.part.vertex_ids = in.take<std::int64_t>();
-      read.part.owners = in.take<int>();
-      read.part.mesh.points = in.take<Vector3>();
-      for (const Cell& cell : in.take<Cell>()) {
-        read.part.cell_ids.push_back(cell.id);
-        read.part.mesh.tets.push_back(cell.vertices);
-        read.regions.push_back(cell.region);
-      }
-    }
-  }
+  read.part = part_of_share(transport, path.string(), std::move(share), first_label, read.regions);
   return read;
 }
 
@@ -206,7 +186,8 @@ inline ReadPart deal_out(const MpiTransport& transport, const std::filesystem::p
 /// are read by the ranks one after the other; cells marked in the array vtkGhostType, or as Gmsh's ghosts, are left out.
 /// Points of several pieces are one where their GlobalPointIds, or nodes' numbers, are, or, without these, where they lie
 /// at one place to the last bit. Any other
-/// file (`read_mesh`) is read by the first rank, which must hold it, and dealt out in the order of its cells.
+/// file (`read_mesh`) is read by the first rank, which deals it out while it reads and holds a block of it at a time (a
+/// legacy .vtk it holds whole).
 ///
 /// @param region_array  array by cell that holds the labels, of a file that is dealt out; empty: one of the usual names.
 /// @return vertices without a cell are left out.

@@ -117,7 +117,8 @@ inline const char* vtk_type(const DataArray& array) {
 }
 
 /// The file that names the pieces.
-inline std::string pvtu_text(const std::string& stem, int n_ranks, const MeshData& data) {
+/// @param ranks  that have one.
+inline std::string pvtu_text(const std::string& stem, std::span<const int> ranks, const MeshData& data) {
   const auto array = [](const char* type, const std::string& name, std::size_t n_components) {
     return "      <PDataArray type=\"" + std::string(type) + "\" Name=\"" + framehex::detail::xml_escaped(name) +
            "\" NumberOfComponents=\"" + std::to_string(n_components) + "\"/>\n";
@@ -131,7 +132,7 @@ inline std::string pvtu_text(const std::string& stem, int n_ranks, const MeshDat
   text += "    </PCellData>\n    <PPointData>\n";
   for (const DataArray& a : data.points) text += array(vtk_type(a), a.name, a.n_components);
   text += "    </PPointData>\n";
-  for (int rank = 0; rank < n_ranks; ++rank)
+  for (const int rank : ranks)
     text += "    <Piece Source=\"" + framehex::detail::xml_escaped(stem) + "_" + std::to_string(rank) + ".vtu\"/>\n";
   return text + "  </PUnstructuredGrid>\n</VTKFile>\n";
 }
@@ -139,6 +140,17 @@ inline std::string pvtu_text(const std::string& stem, int n_ranks, const MeshDat
 /// The pieces' names: NAME_0.vtu, NAME_1.vtu... beside NAME.pvtu.
 inline std::filesystem::path piece_path(const std::filesystem::path& path, int rank) {
   return path.parent_path() / (path.stem().string() + "_" + std::to_string(rank) + ".vtu");
+}
+
+/// The ranks that have a piece: readers such as meshio take none without cells. Of nothing there is one. Collective.
+inline std::vector<int> ranks_with_pieces(const MpiTransport& transport, const MixedMesh& mesh) {
+  const std::uint8_t is_empty = mesh.n_cells() == 0 && mesh.points.empty() ? 1 : 0;
+  std::vector<int> ranks;
+  for (const std::uint8_t empty : gathered(transport, std::vector{is_empty}))
+    ranks.push_back(empty ? -1 : int(ranks.size()));
+  std::erase(ranks, -1);
+  if (ranks.empty()) ranks.push_back(0);
+  return ranks;
 }
 
 /// Rows for the ghosts behind those of one's own: NaN, or 0.
@@ -155,12 +167,12 @@ inline DataArray padded(DataArray array, std::size_t n_rows) {
 
 }  // namespace detail
 
-/// Writes a distributed mesh as NAME.pvtu and a piece NAME_0.vtu, NAME_1.vtu... for each rank, for ParaView and whoever
-/// builds on VTK. Collective.
+/// Writes a distributed mesh as NAME.pvtu and a piece NAME_0.vtu, NAME_1.vtu... for each rank that has cells, for
+/// ParaView and whoever builds on VTK. Collective.
 ///
 /// Pieces have a layer of ghost cells, marked in `vtkGhostType` (cells and points), and the arrays GlobalPointIds and
-/// GlobalCellIds. All files appear or none: each is written under another name to the last byte, and takes its own when
-/// all ranks have come so far; NAME.pvtu, without which the pieces are none, comes last.
+/// GlobalCellIds. All files appear or none: each is written without a name to the last byte, and takes its own when all
+/// ranks have come so far (`OutputFile`); NAME.pvtu, without which the pieces are none, comes last.
 ///
 /// @param data  arrays by cell and point of this rank's part; ghosts have NaN (integers: 0) in them.
 /// @throws remote_error  naming file and rank when one of them cannot be written; no file of the new mesh is left then.
@@ -179,18 +191,25 @@ inline void write_pvtu(const std::filesystem::path& path, const MpiTransport& tr
       all.cells.push_back({"vtkGhostType", std::move(piece.cell_ghosts)});
       all.points.push_back({"GlobalPointIds", std::move(piece.vertex_ids)});
       all.points.push_back({"vtkGhostType", std::move(piece.vertex_ghosts)});
-      OutputFile file(piece_path);
-      framehex::detail::put_vtu(file, piece_path.string(), piece.mesh, all, {}, nullptr);
-      file.finish();
-      std::optional<OutputFile> index;
+      const std::vector<int> ranks = detail::ranks_with_pieces(transport, piece.mesh);
+      std::optional<OutputFile> file, index;
+      if (std::ranges::binary_search(ranks, transport.rank())) {
+        file.emplace(piece_path);
+        framehex::detail::put_vtu(*file, piece_path.string(), piece.mesh, all, {}, nullptr);
+        file->finish();
+      }
       if (transport.rank() == 0) {
         index.emplace(path);
-        index->write(detail::pvtu_text(path.stem().string(), transport.n_ranks(), all));
+        index->write(detail::pvtu_text(path.stem().string(), ranks, all));
         index->finish();
       }
       transport.agree();
-      file.commit();
-      is_committed = true;
+      if (file) {
+        file->commit();
+        is_committed = true;
+      } else {
+        std::filesystem::remove(piece_path);  // of an older mesh
+      }
       transport.agree();
       if (index) index->commit();
     });

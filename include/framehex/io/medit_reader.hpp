@@ -35,11 +35,15 @@ constexpr std::int64_t medit_index(std::int64_t number) {
   return number > 0 ? number - 1 : -1;
 }
 
+/// @tparam Builder  takes what is found, as MeshBuilder does.
+template <class Builder>
 class TextMeditReader {
 public:
-  TextMeditReader(const std::string& name, std::string_view bytes) : in_(name, bytes, '#'), builder_(name, 1) {}
+  /// @param bytes  of the file; must outlive this, as must the builder.
+  TextMeditReader(const std::string& name, std::string_view bytes, Builder& builder)
+      : in_(name, bytes, '#'), builder_(builder) {}
 
-  MixedMesh read(Volume volume) {
+  auto read(Volume volume) {
     if (!same_word(in_.word(), "meshversionformatted")) in_.fail("not a MEDIT text file");
     in_.number<int>("the version");
     while (!in_.at_end()) {
@@ -85,16 +89,18 @@ private:
   }
 
   Cursor in_;
-  MeshBuilder builder_;
+  Builder& builder_;
   std::size_t number_ = 0;  // of an element, over the whole file
 };
 
 /// Versions 1 to 4: from 2 on coordinates are doubles, from 3 on positions have 64 bits, in 4 all integers.
+template <class Builder>
 class BinaryMeditReader {
 public:
-  BinaryMeditReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
+  BinaryMeditReader(const std::string& name, std::string_view bytes, Builder& builder)
+      : in_(name, bytes), builder_(builder) {}
 
-  MixedMesh read(Volume volume) {
+  auto read(Volume volume) {
     const auto one = in_.raw<std::int32_t>();
     if (one != 1 && one != 0x01000000) fail("not a MEDIT binary file");
     if (one != 1) order_ = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
@@ -158,11 +164,19 @@ private:
   }
 
   Cursor in_;
-  MeshBuilder builder_;
+  Builder& builder_;
   std::endian order_ = std::endian::native;
   std::int32_t version_ = 0;
   std::size_t number_ = 0;  // of an element, over the whole file
 };
+
+/// @param bytes  of the file; the name tells whether it is text or binary.
+template <class Builder>
+auto read_medit_into(Builder& builder, const std::filesystem::path& path, std::string_view bytes, Volume volume) {
+  if (lower_text(path.extension().string()) == ".meshb")
+    return BinaryMeditReader(path.string(), bytes, builder).read(volume);
+  return TextMeditReader(path.string(), bytes, builder).read(volume);
+}
 
 }  // namespace detail
 
@@ -175,9 +189,8 @@ private:
 /// @par Complexity   O(n).
 inline MixedMesh read_medit(const std::filesystem::path& path, Volume volume = Volume::required) {
   const std::string bytes = read_file(path);
-  if (detail::lower_text(path.extension().string()) == ".meshb")
-    return detail::BinaryMeditReader(path.string(), bytes).read(volume);
-  return detail::TextMeditReader(path.string(), bytes).read(volume);
+  detail::MeshBuilder builder(path.string(), 1);
+  return detail::read_medit_into(builder, path, bytes, volume);
 }
 
 }  // namespace framehex

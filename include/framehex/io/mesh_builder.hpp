@@ -41,12 +41,60 @@ private:
   bool usual_;
 };
 
+/// Voxels and pixels count corners along x first, then y, then z.
+template <std::size_t N>
+std::array<std::int64_t, N> turned(std::span<const std::int64_t> corners) {
+  constexpr std::array<std::size_t, 8> order{0, 1, 3, 2, 4, 5, 7, 6};
+  std::array<std::int64_t, N> ours{};
+  for (std::size_t i = 0; i < N; ++i) ours[i] = corners[order[i]];
+  return ours;
+}
+
+/// Adds a cell to a builder by VTK's type, of a polygonal line each of its lines; vertices are passed over.
+/// @param name  of the file, for errors.
+template <class Builder>
+void add_vtk_cell(Builder& builder, const std::string& name, std::int64_t type, std::span<const std::int64_t> corners,
+                  std::int64_t label, std::size_t number) {
+  const auto expect = [&](std::size_t n) {
+    if (corners.size() != n)
+      throw io_error(name + ": cell " + std::to_string(number) + " of VTK type " + std::to_string(type) + " has " +
+                         std::to_string(corners.size()) + " corners",
+                     Entity::cell, {number});
+  };
+  switch (type) {
+    case vtk::vertex:
+    case vtk::poly_vertex: return;
+    case vtk::poly_line:
+      for (std::size_t i = 1; i < corners.size(); ++i) builder.add(1, {}, corners.subspan(i - 1, 2), label, number);
+      return;
+    case vtk::line: expect(2); return builder.add(1, {}, corners, label, number);
+    case vtk::triangle: expect(3); return builder.add(2, {}, corners, label, number);
+    case vtk::quad: expect(4); return builder.add(2, {}, corners, label, number);
+    case vtk::pixel: expect(4); return builder.add(2, {}, turned<4>(corners), label, number);
+    case vtk::voxel: expect(8); return builder.add(3, CellKind::hexahedron, turned<8>(corners), label, number);
+    default: break;
+  }
+  for (const CellKind kind : all_cell_kinds)
+    if (type == vtk::cell_type(kind)) {
+      const auto n = static_cast<std::size_t>(n_corners(kind));
+      expect(n);
+      std::array<std::int64_t, 8> ours{};
+      for (std::size_t i = 0; i < n; ++i) ours[i] = corners[vtk::corner(kind, i)];
+      return builder.add(3, kind, std::span(ours).first(n), label, number);
+    }
+  throw io_error(name + ": cell " + std::to_string(number) + " is of VTK type " + std::to_string(type) +
+                     "; tetrahedra, pyramids, prisms, hexahedra, triangles, quadrilaterals and lines are read",
+                 Entity::cell, {number});
+}
+
 /// Gathers what a reader finds, and checks it: indices in range, coordinates finite.
 class MeshBuilder {
 public:
   /// @param name        of the file, for errors.
   /// @param first_label the smallest usual label of the format: 0 or 1.
   MeshBuilder(std::string name, std::int64_t first_label) : name_(std::move(name)), first_label_(first_label) {}
+
+  static constexpr bool takes_numbers = false;  ///< points are counted, not told their numbers
 
   void add_point(double x, double y, double z) { mesh_.points.emplace_back(x, y, z); }
   std::size_t n_points() const { return mesh_.points.size(); }
@@ -77,38 +125,9 @@ public:
     names_.push_back({dimension, group, label, name});
   }
 
-  /// Adds a cell by VTK's type, of a polygonal line each of its lines; vertices are passed over.
+  /// See `add_vtk_cell`.
   void add_vtk(std::int64_t type, std::span<const std::int64_t> corners, std::int64_t label, std::size_t number) {
-    const auto expect = [&](std::size_t n) {
-      if (corners.size() != n)
-        throw io_error(name_ + ": cell " + std::to_string(number) + " of VTK type " + std::to_string(type) + " has " +
-                           std::to_string(corners.size()) + " corners",
-                       Entity::cell, {number});
-    };
-    switch (type) {
-      case vtk::vertex:
-      case vtk::poly_vertex: return;
-      case vtk::poly_line:
-        for (std::size_t i = 1; i < corners.size(); ++i) add(1, {}, corners.subspan(i - 1, 2), label, number);
-        return;
-      case vtk::line: expect(2); return add(1, {}, corners, label, number);
-      case vtk::triangle: expect(3); return add(2, {}, corners, label, number);
-      case vtk::quad: expect(4); return add(2, {}, corners, label, number);
-      case vtk::pixel: expect(4); return add(2, {}, turned<4>(corners), label, number);
-      case vtk::voxel: expect(8); return add(3, CellKind::hexahedron, turned<8>(corners), label, number);
-      default: break;
-    }
-    for (const CellKind kind : all_cell_kinds)
-      if (type == vtk::cell_type(kind)) {
-        const auto n = static_cast<std::size_t>(n_corners(kind));
-        expect(n);
-        std::array<std::int64_t, 8> ours{};
-        for (std::size_t i = 0; i < n; ++i) ours[i] = corners[vtk::corner(kind, i)];
-        return add(3, kind, std::span(ours).first(n), label, number);
-      }
-    throw io_error(name_ + ": cell " + std::to_string(number) + " is of VTK type " + std::to_string(type) +
-                       "; tetrahedra, pyramids, prisms, hexahedra, triangles, quadrilaterals and lines are read",
-                   Entity::cell, {number});
+    add_vtk_cell(*this, name_, type, corners, label, number);
   }
 
   /// @throws invalid_connectivity, invalid_coordinate, io_error when there is no volume cell though one is required.
@@ -149,15 +168,6 @@ private:
         std::swap(row[1], row[2]);
         std::swap(row[4], row[5]);
       }
-  }
-
-  /// Voxels and pixels count corners along x first, then y, then z.
-  template <std::size_t N>
-  static std::array<std::int64_t, N> turned(std::span<const std::int64_t> corners) {
-    constexpr std::array<std::size_t, 8> order{0, 1, 3, 2, 4, 5, 7, 6};
-    std::array<std::int64_t, N> ours{};
-    for (std::size_t i = 0; i < N; ++i) ours[i] = corners[order[i]];
-    return ours;
   }
 
   void set_labels() {

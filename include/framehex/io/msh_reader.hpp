@@ -25,12 +25,16 @@ struct MshPieceArrays {
 
 namespace detail {
 
+/// @tparam Builder  takes what is found, as MeshBuilder does; one that says `takes_numbers` is given nodes by the numbers
+///                  of the file, which are not looked up then.
+template <class Builder = MeshBuilder>
 class MshReader {
 public:
-  MshReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name, 1) {}
+  /// @param bytes  of the file; must outlive this, as must the builder.
+  MshReader(const std::string& name, std::string_view bytes, Builder& builder) : in_(name, bytes), builder_(builder) {}
 
   /// @param arrays  receives what it has when not null. @param data  the same, of values by node and element.
-  MixedMesh read(Volume volume, MshPieceArrays* arrays = nullptr, MeshData* data = nullptr) {
+  auto read(Volume volume, MshPieceArrays* arrays = nullptr, MeshData* data = nullptr) {
     arrays_ = arrays;
     wants_values_ = data != nullptr;
     if (in_.word() != "$MeshFormat") in_.fail("not a Gmsh mesh file");
@@ -124,7 +128,11 @@ private:
   /// One number of the file, text or binary.
   template <class Stored>
   Stored get(const char* what) {
-    return binary_ ? in_.raw<Stored>(order_) : in_.number<Stored>(what);
+    return get<Stored>(in_, what);
+  }
+  template <class Stored>
+  Stored get(Cursor& in, const char* what) const {
+    return binary_ ? in.raw<Stored>(order_) : in.number<Stored>(what);
   }
   std::int64_t get_int(const char* what) { return get<std::int32_t>(what); }
   std::uint64_t get_size(const char* what) { return get<std::uint64_t>(what); }
@@ -170,15 +178,20 @@ private:
     set_node(tag, x, y, z);
   }
   void set_node(std::int64_t tag, double x, double y, double z) {
-    if (!index_of_tag_.try_emplace(tag, static_cast<std::int64_t>(builder_.n_points())).second)
-      in_.fail("node " + std::to_string(tag) + " stands twice");
-    builder_.add_point(x, y, z);
-    if (arrays_) arrays_->point_numbers.push_back(tag);
+    if constexpr (Builder::takes_numbers) {
+      builder_.add_point(tag, x, y, z);
+    } else {
+      if (!index_of_tag_.try_emplace(tag, static_cast<std::int64_t>(builder_.n_points())).second)
+        in_.fail("node " + std::to_string(tag) + " stands twice");
+      builder_.add_point(x, y, z);
+      if (arrays_) arrays_->point_numbers.push_back(tag);
+    }
   }
 
   void add_element(const ElementType& type, std::span<std::int64_t> tags, std::int64_t label, std::int64_t number) {
     if (type.dimension == 0) return;
     for (std::int64_t& tag : tags) {
+      if constexpr (Builder::takes_numbers) continue;
       const auto found = index_of_tag_.find(tag);
       if (found == index_of_tag_.end())
         throw invalid_connectivity(in_.name() + ": element " + std::to_string(number) + " refers to node " +
@@ -308,15 +321,15 @@ private:
   void read_nodes_4() {
     const std::size_t n_blocks = get_count("the number of blocks");
     for (int i = 0; i < 3; ++i) get_size("a number of nodes");
-    std::vector<std::int64_t> tags;
     for (std::size_t block = 0; block < n_blocks; ++block) {
       const std::int64_t dimension = get_int("a dimension");
       get_int("an entity");
       const bool parametric = get_int("whether parameters follow") != 0;
-      tags.resize(get_count("the number of nodes of a block"));
-      for (std::int64_t& tag : tags) tag = static_cast<std::int64_t>(get_size("a node's number"));
-      for (const std::int64_t tag : tags) {
-        add_node(tag);
+      const std::size_t n = get_count("the number of nodes of a block");
+      Cursor numbers = in_;  // which stand before all coordinates of the block
+      for (std::size_t i = 0; i < n; ++i) get_size("a node's number");
+      for (std::size_t node = 0; node < n; ++node) {
+        add_node(static_cast<std::int64_t>(get<std::uint64_t>(numbers, "a node's number")));
         for (std::int64_t i = 0; parametric && i < std::min<std::int64_t>(dimension, 3); ++i)
           get<double>("a parameter");
       }
@@ -391,7 +404,7 @@ private:
   }
 
   Cursor in_;
-  MeshBuilder builder_;
+  Builder& builder_;
   MshPieceArrays* arrays_ = nullptr;
   bool wants_values_ = false;
   std::vector<Values> values_;
@@ -420,7 +433,8 @@ private:
 inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Volume::required,
                           MeshData* data = nullptr) {
   const std::string bytes = read_file(path);
-  return detail::MshReader(path.string(), bytes).read(volume, nullptr, data);
+  detail::MeshBuilder builder(path.string(), 1);
+  return detail::MshReader(path.string(), bytes, builder).read(volume, nullptr, data);
 }
 
 /// Reads the file of a partition, which may hold no cell.
@@ -428,7 +442,8 @@ inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Vol
 /// @throws as `read_msh`.
 inline MixedMesh read_msh_piece(const std::filesystem::path& path, MshPieceArrays& arrays) {
   const std::string bytes = read_file(path);
-  return detail::MshReader(path.string(), bytes).read(Volume::optional, &arrays);
+  detail::MeshBuilder builder(path.string(), 1);
+  return detail::MshReader(path.string(), bytes, builder).read(Volume::optional, &arrays);
 }
 
 }  // namespace framehex

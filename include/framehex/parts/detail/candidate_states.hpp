@@ -16,6 +16,9 @@ public:
 
   State operator[](index_t v) const { return state_[v]; }
 
+  /// Copies have been added to the pool.
+  void grow() { state_.resize(pool_.size(), undecided); }
+
   void set(index_t v, State state) {
     if (state_[v] == state) return;
     if (state_[v] == taken) gone_.push_back(v);
@@ -43,7 +46,7 @@ public:
     news_.clear();
     for (const Received<News>& received : send_typed(transport_, std::move(rows)))
       for (const News& news : received.items) {
-        const index_t v = copy_of(received.rank, news.index);
+        const index_t v = pool_.copy_of(received.rank, news.index);
         if (state_[v] == taken && news.state != taken) gone_.push_back(v);
         state_[v] = news.state;
         heard.push_back(v);
@@ -51,14 +54,13 @@ public:
     return heard;
   }
 
-  /// Makes those undecided that a candidate may have kept out that was taken once and is no more; the copies on all ranks
-  /// alike.
+  /// Makes those own candidates undecided that one may have kept out that was taken once and is no more.
   void reopen() {
     std::vector<std::uint8_t> freed(pool_.points.size(), 0);
     for (const index_t v : gone_)
       for (const index_t w : pool_.candidates.vertices[v]) freed[w] = 1;
     gone_.clear();
-    for (index_t v = 0; v < pool_.size(); ++v)
+    for (index_t v = 0; v < pool_.n_own; ++v)
       if (state_[v] == refused &&
           std::ranges::any_of(pool_.candidates.vertices[v], [&](index_t w) { return freed[w] != 0; }))
         set(v, undecided);
@@ -69,12 +71,6 @@ private:
     index_t index;
     State state;
   };
-
-  index_t copy_of(int rank, index_t index) const {
-    const std::array<index_t, 2> home{static_cast<index_t>(rank), index};
-    const auto at = std::lower_bound(pool_.home.begin(), pool_.home.end(), home);
-    return static_cast<index_t>(pool_.n_own + static_cast<std::size_t>(at - pool_.home.begin()));
-  }
 
   const Tr& transport_;
   const CandidatePool& pool_;

@@ -8,34 +8,26 @@
 
 namespace framehex::detail {
 
-/// A candidate on its way to the part that may exchange it.
-struct ContenderRecord {
-  CandidateRecord candidate;
-  index_t leaf;
-  std::uint32_t is_member;
-};
-
 /// The candidates of one leaf, in numbers that depend on places alone.
 class ContenderPart {
 public:
   struct Item {
-    const ContenderRecord* record;
+    const CandidateRecord* record;
     std::span<const global_t> tets;
   };
 
-  explicit ContenderPart(std::vector<Item> items) : items_(std::move(items)) {
-    std::vector<VertexRecord> vertices;
+  /// @param held  vertices of the items, among others.
+  ContenderPart(std::vector<Item> items, const HeldTets& held) : items_(std::move(items)) {
+    std::vector<std::size_t> used;
     std::vector<global_t> tets;
     for (const Item& item : items_) {
-      const CandidateRecord& c = item.record->candidate;
-      for (std::size_t k = 0; k < 8; ++k) vertices.push_back({c.vertices[k], c.places[k]});
+      for (const global_t v : item.record->vertices) used.push_back(held.find(v));
       tets.insert(tets.end(), item.tets.begin(), item.tets.end());
     }
-    const auto before = [](const VertexRecord& a, const VertexRecord& b) { return lies_before(a, b); };
-    std::sort(vertices.begin(), vertices.end(), before);
-    vertices.erase(std::unique(vertices.begin(), vertices.end(),
-                               [](const VertexRecord& a, const VertexRecord& b) { return a.number == b.number; }),
-                   vertices.end());
+    const auto before = [&](std::size_t a, std::size_t b) { return lies_before(held.vertices[a], held.vertices[b]); };
+    const std::vector<std::size_t> unsorted = used;
+    std::sort(used.begin(), used.end(), before);
+    used.erase(std::unique(used.begin(), used.end()), used.end());
     std::sort(tets.begin(), tets.end());
     tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
     struct Corners {
@@ -44,12 +36,10 @@ public:
     };
     std::vector<Corners> order;
     for (std::size_t i = 0; i < items_.size(); ++i) {
-      const CandidateRecord& c = items_[i].record->candidate;
       auto& corners = order.emplace_back(Corners{{}, i}).vertices;
       for (std::size_t k = 0; k < 8; ++k)
-        corners[k] = static_cast<index_t>(
-            std::lower_bound(vertices.begin(), vertices.end(), VertexRecord{c.vertices[k], c.places[k]}, before) -
-            vertices.begin());
+        corners[k] = static_cast<index_t>(std::lower_bound(used.begin(), used.end(), unsorted[8 * i + k], before) -
+                                          used.begin());
     }
     std::sort(order.begin(), order.end(), [](const Corners& a, const Corners& b) { return a.vertices < b.vertices; });
     std::vector<Item> sorted_items;
@@ -70,21 +60,20 @@ public:
   }
 
   /// @return the records of those that came or went.
-  std::vector<const ContenderRecord*> improve(std::uint64_t seed, const Observer& observer) const {
+  std::vector<const CandidateRecord*> improve(std::uint64_t seed, const Observer& observer) const {
     std::vector<index_t> members;
     for (index_t i = 0; i < items_.size(); ++i)
-      if (items_[i].record->is_member) members.push_back(i);
-    std::vector<const ContenderRecord*> changed;
+      if (items_[i].record->is_taken) members.push_back(i);
+    std::vector<const CandidateRecord*> changed;
     if (members.size() == items_.size()) return changed;
-    const ImplicitIncompatibilityGraph graph(candidates_,
-                                             [this](index_t i) { return items_[i].record->candidate.weight; });
+    const ImplicitIncompatibilityGraph graph(candidates_, [this](index_t i) { return items_[i].record->weight; });
     Deadline deadline(std::numeric_limits<double>::infinity(), observer);
     ContenderSearch search(graph, seed, deadline);
     const std::vector<index_t> better = search.improve(members, by_number);
     std::vector<std::uint8_t> chosen(items_.size(), 0);
     for (const index_t v : better) chosen[v] = 1;
     for (index_t i = 0; i < items_.size(); ++i)
-      if (chosen[i] != items_[i].record->is_member) changed.push_back(items_[i].record);
+      if (chosen[i] != items_[i].record->is_taken) changed.push_back(items_[i].record);
     return changed;
   }
 
@@ -101,25 +90,32 @@ class ContenderTurns {
 public:
   using States = CandidateStates<Tr>;
 
-  ContenderTurns(const Tr& transport, const CandidatePool& pool, const ImplicitIncompatibilityGraph& graph,
-                 States& states, const E& executor, CallingThread& thread)
-      : transport_(transport), pool_(pool), graph_(graph), states_(states), executor_(executor), thread_(thread) {}
+  ContenderTurns(const Tr& transport, const CandidatePool& pool, BorderExchange<Tr>& border, States& states,
+                 const E& executor, CallingThread& thread)
+      : transport_(transport), pool_(pool), border_(border), states_(states), executor_(executor), thread_(thread) {}
 
   /// One turn. Collective.
   void run(const Partition& partition, std::uint64_t seed) {
     find_leaves(partition);
     gather(partition);
     note_borders();
-    std::vector<std::vector<const ContenderRecord*>> changed(groups_.size());
+    std::vector<std::vector<const CandidateRecord*>> changed(groups_.size());
     executor_(groups_.size(), [&](std::size_t i, std::size_t) {
-      if (!thread_.stopped()) changed[i] = ContenderPart(group(i)).improve(seed, thread_.part("selection"));
+      if (!thread_.stopped())
+        changed[i] = ContenderPart(group(i), delivery_.held).improve(seed, thread_.part("selection"));
     });
     Rows<index_t> rows = make_rows<index_t>(transport_);
     for (const auto& list : changed)
-      for (const ContenderRecord* r : list)
-        rows[static_cast<std::size_t>(r->candidate.rank)].push_back(r->candidate.index);
-    for (const index_t v : send_joined(transport_, std::move(rows)))
-      states_.set(v, states_[v] == States::taken ? States::refused : States::taken);
+      for (const CandidateRecord* r : list) rows[static_cast<std::size_t>(r->rank)].push_back(r->index);
+    delivery_ = {};
+    std::vector<index_t> come;
+    for (const index_t v : send_joined(transport_, std::move(rows))) {
+      const bool goes = states_[v] == States::taken;
+      states_.set(v, goes ? States::refused : States::taken);
+      if (!goes) come.push_back(v);
+    }
+    border_.tell(come);
+    states_.grow();
     states_.exchange();
   }
 
@@ -140,7 +136,7 @@ private:
   }
 
   /// Whether an own candidate can compete with members that may go.
-  bool contends(index_t v, const Occupancy<ImplicitIncompatibilityGraph>& occupied, std::vector<index_t>& seen) const {
+  bool contends(index_t v, const CandidateOccupancy& occupied, std::vector<index_t>& seen) const {
     seen.clear();
     double so_far = 0;
     const bool cannot = occupied.any_blocker(v, [&](index_t member) {
@@ -162,81 +158,80 @@ private:
   /// Whether a candidate is looked at in this turn: after the first those that were near a border.
   bool has_turn(index_t v) const {
     return leaf_[v] != no_index &&
-           (at_border_.empty() ||
+           (is_first_turn_ ||
             std::ranges::any_of(pool_.candidates.vertices[v], [this](index_t w) { return at_border_[w] != 0; }));
   }
 
   void note_borders() {
-    if (!at_border_.empty()) return;
+    if (!std::exchange(is_first_turn_, false)) return;
     at_border_.assign(pool_.points.size(), 0);
-    for (index_t v = 0; v < pool_.size(); ++v)
+    for (index_t v = 0; v < pool_.n_own; ++v)
       if (leaf_[v] == no_index)
         for (const index_t w : pool_.candidates.vertices[v]) at_border_[w] = 1;
+    border_.join_flags(at_border_);
   }
 
-  std::vector<std::uint8_t> find_contenders() const {
-    Occupancy<ImplicitIncompatibilityGraph> occupied(graph_);
+  /// Own candidates that contend, and members that they would put out: all that a turn is about.
+  std::vector<std::uint8_t> find_competitors() const {
+    CandidateOccupancy occupied(pool_.candidates, pool_.patch->mesh.tets.size());
     for (index_t v = 0; v < pool_.size(); ++v)
       if (states_[v] == States::taken) occupied.add(v);
-    std::vector<std::uint8_t> found(pool_.n_own, 0);
+    std::vector<std::uint8_t> found(pool_.size(), 0);
     for_blocks(executor_, pool_.n_own, 4096, [&](std::size_t first, std::size_t last) {
       std::vector<index_t> seen;
       for (auto v = static_cast<index_t>(first); v < last; ++v)
         if (states_[v] != States::taken && has_turn(v)) found[v] = contends(v, occupied, seen) ? 1 : 0;
     });
+    Rows<index_t> of_others = make_rows<index_t>(transport_);
+    for (index_t v = 0; v < pool_.n_own; ++v)
+      if (found[v] && states_[v] != States::taken)
+        occupied.any_blocker(v, [&](index_t member) {
+          found[member] = 1;
+          return false;
+        });
+    for (const CandidatePool::Copy& copy : pool_.copies)
+      if (found[copy.index]) of_others[static_cast<std::size_t>(copy.rank)].push_back(copy.home);
+    for (const index_t v : send_joined(transport_, std::move(of_others))) found[v] = 1;
     return found;
   }
 
   void gather(const Partition& partition) {
-    const std::vector<std::uint8_t> is_contender = find_contenders();
-    Rows<ContenderRecord> records = make_rows<ContenderRecord>(transport_);
-    Rows<global_t> tets = make_rows<global_t>(transport_);
-    for (index_t v = 0; v < pool_.n_own; ++v) {
-      const bool is_member = states_[v] == States::taken;
-      if (leaf_[v] == no_index || !(is_member || is_contender[v])) continue;
-      const auto to = static_cast<std::size_t>(partition.rank(leaf_[v]));
-      records[to].push_back({pool_.record(v, transport_.rank()), leaf_[v], is_member ? 1U : 0U});
-      for (const index_t tet : pool_.candidates.tets[v]) tets[to].push_back(pool_.tet_number[tet]);
-    }
-    records_ = send_joined(transport_, std::move(records));
-    tets_ = send_joined(transport_, std::move(tets));
-    first_tet_.clear();
-    std::size_t next = 0;
-    for (const ContenderRecord& r : records_) {
-      first_tet_.push_back(next);
-      next += r.candidate.n_tets;
-    }
-    order_.resize(records_.size());
+    const std::vector<std::uint8_t> competes = find_competitors();
+    CandidateMail mail(transport_.n_ranks(), pool_);
+    for (index_t v = 0; v < pool_.n_own; ++v)
+      if (competes[v]) mail.put(v, states_[v] == States::taken, transport_.rank(), partition.rank(leaf_[v]));
+    delivery_ = mail.deliver(transport_);
+    std::vector<index_t> leaf;
+    for (const CandidateRecord& r : delivery_.records)
+      leaf.push_back(partition.leaf_at(point_at(delivery_.held.vertices[delivery_.held.find(r.vertices[0])].place)));
+    order_.resize(leaf.size());
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = i;
-    std::stable_sort(order_.begin(), order_.end(),
-                     [this](std::size_t a, std::size_t b) { return records_[a].leaf < records_[b].leaf; });
+    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return leaf[a] < leaf[b]; });
     groups_.clear();
     for (std::size_t i = 0, end = 0; i < order_.size(); i = end) {
-      while (end < order_.size() && records_[order_[end]].leaf == records_[order_[i]].leaf) ++end;
+      while (end < order_.size() && leaf[order_[end]] == leaf[order_[i]]) ++end;
       groups_.push_back({i, end});
     }
   }
 
   std::vector<ContenderPart::Item> group(std::size_t i) const {
     std::vector<ContenderPart::Item> items;
-    for (std::size_t n = groups_[i][0]; n < groups_[i][1]; ++n) {
-      const ContenderRecord& r = records_[order_[n]];
-      items.push_back({&r, {tets_.data() + first_tet_[order_[n]], r.candidate.n_tets}});
-    }
+    for (std::size_t n = groups_[i][0]; n < groups_[i][1]; ++n)
+      items.push_back({&delivery_.records[order_[n]], delivery_.tets_of(order_[n])});
     return items;
   }
 
   const Tr& transport_;
   const CandidatePool& pool_;
-  const ImplicitIncompatibilityGraph& graph_;
+  BorderExchange<Tr>& border_;
   States& states_;
   const E& executor_;
   CallingThread& thread_;
-  std::vector<index_t> leaf_;            ///< by candidate: the one that has all its vertices
-  std::vector<std::uint8_t> at_border_;  ///< by vertex; empty before the first turn
-  std::vector<ContenderRecord> records_;
-  std::vector<global_t> tets_;
-  std::vector<std::size_t> first_tet_, order_;  ///< of the records; the records by leaf
+  std::vector<index_t> leaf_;  ///< by candidate: the one that has all its vertices
+  bool is_first_turn_ = true;
+  std::vector<std::uint8_t> at_border_;  ///< by vertex, after the first turn
+  CandidateMail::Delivery delivery_;     ///< contenders, and members that they compete with
+  std::vector<std::size_t> order_;       ///< the records by leaf
   std::vector<std::array<std::size_t, 2>> groups_;
 };
 

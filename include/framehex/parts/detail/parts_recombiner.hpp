@@ -176,13 +176,9 @@ private:
     stage_ = "selection";
     result_.n_candidates = sum_of(transport_, static_cast<std::int64_t>(found.size()));
     std::vector<double> weights = list_weights(found.size(), volume_times_quality(found));
-    const CandidatePool pool =
-        BorderExchange(transport_, *partition_, *patch_).run(std::move(found), std::move(weights));
+    CandidatePool pool(*patch_, std::move(found), std::move(weights));
     States states(transport_, pool);
-    {
-      const ImplicitIncompatibilityGraph graph(pool.candidates, [&](index_t i) { return pool.weights[i]; });
-      if (!choose(pool, graph, states)) return false;
-    }
+    if (!choose(pool, states)) return false;
     give_up(pool, states);
     count_chosen(pool, states);
     lap(result_.selection_seconds);
@@ -191,17 +187,18 @@ private:
     return make_state(chosen, state);
   }
 
-  bool choose(const CandidatePool& pool, const ImplicitIncompatibilityGraph& graph, States& states) {
+  bool choose(CandidatePool& pool, States& states) {
+    BorderExchange border(transport_, *partition_, pool);
     const auto stop = [this] { return !thread_.go_on(stage_, thread_.fraction()); };
     const auto greedy = [&] {
-      GreedyRounds rounds(transport_, pool, graph, states);
+      GreedyRounds rounds(transport_, pool, border, states);
       const bool done = rounds.run(stop);
       result_.n_rounds += rounds.n_rounds() + 1;
       return done;
     };
     if (!greedy()) return false;
     if (options_.selection.method == SelectMethod::greedy) return true;
-    ContenderTurns turns(transport_, pool, graph, states, executor_, thread_);
+    ContenderTurns turns(transport_, pool, border, states, executor_, thread_);
     for (const double shift : {0.0, 0.4, 0.2}) {
       const MortonCube cube(low_, high_, shift);
       std::vector<MortonCube::Code> codes;

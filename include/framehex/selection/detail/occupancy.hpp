@@ -77,11 +77,11 @@ private:
 /// The members' tetrahedra and pairs of vertices say who is blocked: nothing is kept for the others.
 ///
 /// @par Complexity  4 bytes a tetrahedron, 500 bytes a member. `add` and `blocks` O(1).
-template <>
-class Occupancy<ImplicitIncompatibilityGraph> {
+class CandidateOccupancy {
 public:
-  explicit Occupancy(const ImplicitIncompatibilityGraph& graph)
-      : candidates_(graph.candidates()), owner_(graph.n_tets(), no_index) {}
+  /// @param candidates  must outlive this; may be added to. @param n_tets  above all tetrahedra that they name.
+  CandidateOccupancy(const PotentialHexahedra& candidates, std::size_t n_tets)
+      : candidates_(candidates), owner_(n_tets, no_index) {}
 
   void add(index_t v) {
     for (const index_t tet : candidates_.tets[v]) owner_[tet] = v;
@@ -113,6 +113,13 @@ private:
   const PotentialHexahedra& candidates_;
   std::vector<index_t> owner_, members_;
   PairTable pairs_;
+};
+
+template <>
+class Occupancy<ImplicitIncompatibilityGraph> : public CandidateOccupancy {
+public:
+  explicit Occupancy(const ImplicitIncompatibilityGraph& graph)
+      : CandidateOccupancy(graph.candidates(), graph.n_tets()) {}
 };
 
 }  // namespace framehex::detail
