@@ -7,7 +7,7 @@
 add_library(framehex_headers_alone INTERFACE)
 set(headers_alone ${framehex_headers})
 list(FILTER headers_alone EXCLUDE REGEX
-     "(adapters/(cgal|gmsh|netgen|vtk|openvolumemesh|geogram|ptscotch)\\.hpp|distributed/.*)$")
+     "(adapters/(cgal|cgal_delaunay|gmsh|netgen|vtk|openvolumemesh|geogram|ptscotch)\\.hpp|distributed/.*)$")
 target_sources(framehex_headers_alone INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include
                                                                   FILES ${headers_alone})
 target_compile_options(framehex_headers_alone INTERFACE -O0) # nothing of them is run

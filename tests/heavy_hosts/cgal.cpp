@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "framehex/adapters/cgal.hpp"
+#include "framehex/adapters/cgal_delaunay.hpp"
 #include "framehex/mesh/enclosed_volume.hpp"
+#include "framehex/pipeline/mesh_surface.hpp"
 #include "support/host_reference.hpp"
+#include "support/surfaces.hpp"
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -98,4 +101,50 @@ TEST_CASE("Surface_mesh is a surface, without gaps in its numbers") {
   CHECK_THROWS_AS(validate_closed(mesh), invalid_connectivity);
   mesh.collect_garbage();
   CHECK_NOTHROW(validate_closed(mesh));
+}
+
+TEST_CASE("CGAL's Delaunay tetrahedra fill surfaces whose triangles are facets of theirs, bent and hollow ones too") {
+  IndexedTriangleMesh shell = test::sphere_surface(1, 2);
+  const IndexedTriangleMesh hollow = test::sphere_surface(0.6, 2);
+  for (const auto& t : hollow.triangles)
+    shell.triangles.push_back({t[0] + index_t(shell.points.size()), t[2] + index_t(shell.points.size()),
+                               t[1] + index_t(shell.points.size())});
+  shell.points.insert(shell.points.end(), hollow.points.begin(), hollow.points.end());
+  IndexedTriangleMesh bent = test::sphere_surface(1, 3);
+  for (Vector3& p : bent.points) p = {p.x() + 0.4 * p.z() * p.z(), p.y(), p.z()};
+  for (const IndexedTriangleMesh& surface : {test::sphere_surface(1, 2), bent, test::tetrahedron_surface(1), shell}) {
+    // tetrahedralize() itself compares boundary and volume with the surface's.
+    const Tetrahedralization filled = tetrahedralize(CgalDelaunay{}, surface, {});
+    CHECK(filled.n_extra_points == 0);
+    CHECK(filled.mesh.tets.size() >= surface.triangles.size() / 4);
+  }
+}
+
+TEST_CASE("a ball filled by CGAL becomes the same kind of mesh as one filled by TetGen") {
+  const auto result = mesh_surface(test::sphere_surface(1, 3), ConstantSize{0.25}, CgalDelaunay{});
+  CHECK(verify::is_conforming(result.recombination.mesh));
+  CHECK(verify::is_valid(result.recombination.mesh));
+  const verify::VolumeReport volume = verify::volume(result.recombination.mesh);
+  CHECK(volume.by_kind[static_cast<std::size_t>(CellKind::hexahedron)] > 0.6 * volume.cells);
+}
+
+TEST_CASE("a triangle that is no facet of the Delaunay tetrahedra is named") {
+  // A point before a triangle, inside of its sphere, is nearer to its neighbour beyond the edge.
+  IndexedTriangleMesh cube = test::box_surface({1, 1, 1}, 1, 1, 1);
+  std::size_t n_refused = 0;
+  for (const double x : {0.5, 0.2, 0.8}) {
+    const std::vector<Vector3> inside{{x, 0.4, 1e-3}, {0.3, x, 0.999}};
+    try {
+      tetrahedralize(CgalDelaunay{}, cube, inside);
+    } catch (const tetrahedralization_error& e) {
+      ++n_refused;
+      REQUIRE(e.indices().size() == 3);
+      const std::array<index_t, 3> named{index_t(e.indices()[0]), index_t(e.indices()[1]), index_t(e.indices()[2])};
+      CHECK(std::count(cube.triangles.begin(), cube.triangles.end(), named) == 1);
+    }
+  }
+  CHECK(n_refused > 0);
+  std::size_t n_asked = 0;
+  const auto stop = [&](const Progress&) { return ++n_asked == 0; };
+  CHECK(CgalDelaunay{}({cube.points, 8, cube.triangles, stop}).status == Status::cancelled);
 }

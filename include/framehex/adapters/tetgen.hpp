@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/adapters/detail/refuse_crossings.hpp"
 #include "framehex/mesh/concepts.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
-#include "framehex/surface/self_intersection.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #ifndef TETLIBRARY
@@ -115,7 +115,7 @@ struct TetgenLibrary {
   std::string switches = "pYJO2/1M0/1FQ";
 
   TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
-    refuse_crossings(request);
+    detail::refuse_crossings(request);
     tetgenio in, out;
     detail::fill_tetgen_input(request, in);
     std::string text = switches;
@@ -134,15 +134,6 @@ struct TetgenLibrary {
     result.extra_points.assign(points.begin() + static_cast<std::ptrdiff_t>(n), points.end());
     result.tets = tetrahedra(out);
     return result;
-  }
-
-private:
-  static void refuse_crossings(const TetrahedralizationRequest& request) {
-    const auto pairs = find_self_intersections(TriangleView{request.points, request.triangles}, 1);
-    if (pairs.empty()) return;
-    const auto [i, j] = pairs.front();
-    throw invalid_surface("the surface crosses itself at triangles " + std::to_string(i) + " and " + std::to_string(j),
-                          Entity::triangle, {i, j});
   }
 };
 static_assert(Tetrahedralizer<TetgenLibrary>);
