@@ -31,16 +31,25 @@ public:
       *observer = options_.observer;
   }
 
-  /// @param inside  limits of the size that points inside patches keep besides, not those of curves.
-  QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
+  /// Limits of the size that points inside patches keep besides, not those of curves.
+  void limit_inside(std::vector<SizeLimit> limits) { inside_ = std::move(limits); }
+
+  /// Begins with limits that another run has ended with: what it took to come near the input is not looked for again.
+  void limit(std::span<const SizeLimit> limits) { size_.add(limits); }
+
+  /// Those that there are now.
+  const std::vector<SizeLimit>& limits() const { return size_.limits(); }
+  double size_at(const Vector3& p) const { return size_(p); }
+
+  QuadMeshing run(Surface input) {
     input_ = std::move(input);
-    inside_ = std::move(inside);
     diagonal_ = bounding_box(input_.points).diagonal().norm();
     add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     if (!follow_curves()) return cancelled<QuadMeshing>();
     locator_ = SurfaceLocator(input_);
     carriers_ = FeatureCarriers(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
+    keep_tips();
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
@@ -78,6 +87,7 @@ public:
     }
     if (sound_) {
       sound_->seconds = result_.seconds;
+      sound_->statistics.n_tried_changes = result_.statistics.n_tried_changes;
       return std::move(*sound_);
     }
     if (!leave_triangles()) return cancelled<QuadMeshing>();
@@ -109,6 +119,9 @@ private:
       size_.add(limits);
       add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     }
+    const CurveInsertion curves = insert_curve_points(input_, size_, options_.curves);
+    if (curves.status == Status::cancelled) return false;
+    size_.add(limits_beside_short_curves(input_, curves, size_));
     result_.statistics.n_shrunk_places = size_.limits().size();
     return true;
   }
@@ -125,8 +138,16 @@ private:
     return true;
   }
 
+  /// Tips that stand out at the size as it is become corners.
+  void keep_tips() {
+    const std::vector<index_t> tips = distinct_tips(input_, size_, options_.tips);
+    add_tips(input_.features, tips);
+    add_tips(result_.background.features, tips);  // the input's vertices keep their numbers
+  }
+
   void shrink(const std::vector<SizeLimit>& limits) {
     size_.add(limits);
+    keep_tips();
     result_.statistics.n_shrunk_places = size_.limits().size();
   }
 
@@ -292,6 +313,7 @@ private:
     result_.mesh = std::move(improved.mesh);
     folded_ = std::move(improved.folded);
     result_.statistics.n_unfolded = improved.n_folded_given;
+    result_.statistics.n_tried_changes += improved.n_tried;
     return true;
   }
 
