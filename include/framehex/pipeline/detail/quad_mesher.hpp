@@ -80,9 +80,11 @@ public:
         shrink(limits);
         continue;
       }
-      if (n_folded > 1 && folded_.size() >= folded_before_) break;
+      if (n_folded > 3 && folded_.size() >= folded_before_) break;
       folded_before_ = folded_.size();
       remember_folded();
+      // Where wider strips have not helped, curves get other numbers of intervals.
+      if (n_folded > 0) shrink(limits_where_folded());
       ++n_folded;
     }
     if (sound_) {
@@ -97,7 +99,7 @@ public:
 
 private:
   static constexpr double halved = 2.5;       ///< triangles whose edges are halved to be short, by those that just are
-  static constexpr int most_widenings = 4;    ///< attempts that leave folded cells
+  static constexpr int most_widenings = 7;    ///< attempts that leave folded cells
   static constexpr int usual_shrinkings = 5;  ///< attempts that are too far from the input, after the first
   static constexpr int most_shrinkings = 12;  ///< the same, where even the nearest is much too far
   static constexpr double near_enough = 1.2;  ///< by the deviation that is wanted: not much too far
@@ -366,6 +368,19 @@ private:
     for (index_t v = 0; v < surface.points.size(); ++v)
       if (!surface.adjacency.triangles_of_vertex[v].empty())
         add(surface.points[v], to_mesh.nearest(surface.points[v]).distance);
+    return limits;
+  }
+
+  /// Half the longest side of each folded cell.
+  std::vector<SizeLimit> limits_where_folded() const {
+    std::vector<SizeLimit> limits;
+    for (const index_t q : folded_) {
+      const QuadMesh::Cell& c = result_.mesh.cells[q];
+      double longest = 0;
+      for (std::size_t i = 0, n = QuadMesh::n_corners(c); i < n; ++i)
+        longest = std::max(longest, (result_.mesh.points[c[(i + 1) % n]] - result_.mesh.points[c[i]]).norm());
+      limits.push_back({centre(q), longest / 2});
+    }
     return limits;
   }
 

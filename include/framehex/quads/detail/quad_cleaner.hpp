@@ -150,17 +150,21 @@ private:
       return std::tuple(-x.gain, x.operation, x.h, x.k) < std::tuple(-y.gain, y.operation, y.h, y.k);
     });
     for (const Candidate& candidate : candidates_) {
-      const auto [failed, is_new] = failed_at_.try_emplace({purpose, change_of(candidate)}, 0);
+      const auto [failed, is_new] = failed_at_.try_emplace(change_of(candidate), 0);
       if (!is_new && failed->second >= changed_at(candidate)) continue;
       if (attempt(candidate, purpose)) {
-        ++n_changes_;
-        changed_at_.resize(quads_.points.size(), 0);
-        for (const index_t v : region_) changed_at_[v] = n_changes_;
+        date_change();
         return true;
       }
       failed->second = n_changes_;
     }
     return false;
+  }
+
+  void date_change() {
+    ++n_changes_;
+    changed_at_.resize(quads_.points.size(), 0);
+    for (const index_t v : region_) changed_at_[v] = n_changes_;
   }
 
   /// The number of the last change that moved a vertex of the cells that a candidate changes.
@@ -364,9 +368,8 @@ private:
   QuadSmoother& smoother_;
   std::size_t n_changes_ = 0, n_tried_ = 0;
   std::vector<Candidate> candidates_;
-  std::vector<std::size_t> changed_at_;  ///< by copy: after how many changes in all it was last moved by one
-  std::map<std::pair<Purpose, Change>, std::size_t>
-      failed_at_;  ///< how many changes there were when it was last tried in vain
+  std::vector<std::size_t> changed_at_;      ///< by copy: after how many changes in all it was last moved by one
+  std::map<Change, std::size_t> failed_at_;  ///< how many changes there were when it was last tried in vain
   std::vector<index_t> region_, fan_, changed_;
 };
 
