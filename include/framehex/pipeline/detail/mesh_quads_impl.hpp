@@ -61,6 +61,22 @@ private:
   std::vector<index_t> poor_cells_;
 };
 
+/// The middles and mean sides of cells.
+inline std::vector<SizeLimit> cells_as_limits(const QuadMesh& mesh, const std::vector<index_t>& cells) {
+  std::vector<SizeLimit> limits;
+  for (const index_t c : cells) {
+    const QuadMesh::Cell& cell = mesh.cells[c];
+    const std::size_t n = QuadMesh::n_corners(cell);
+    SizeLimit& limit = limits.emplace_back(SizeLimit{Vector3::Zero(), 0});
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vector3 &p = mesh.points[cell[i]], &q = mesh.points[cell[(i + 1) % n]];
+      limit.place += p / static_cast<double>(n);
+      limit.length += (q - p).norm() / static_cast<double>(n);
+    }
+  }
+  return limits;
+}
+
 FRAMEHEX_INLINE QuadMeshing mesh_quads(const Surface& input, const SizeFieldRef& size, const MatcherRef& matcher,
                                        QuadMeshingOptions options) {
   constexpr std::size_t most_cells = 500, most_tried = 5'000;
@@ -72,26 +88,37 @@ FRAMEHEX_INLINE QuadMeshing mesh_quads(const Surface& input, const SizeFieldRef&
     return best;
   QuadMerit merit(best.mesh);
   std::size_t n_tried = s.n_tried_changes;
-  std::vector<Vector3> places;
-  for (const index_t c : merit.poor_cells()) {
-    Vector3 sum = Vector3::Zero();
-    for (const index_t v : best.mesh.cells[c]) sum += best.mesh.points[v];
-    places.push_back(sum / 4);
-  }
+  const std::vector<SizeLimit> poor = cells_as_limits(best.mesh, merit.poor_cells());
   const FrontOrder given = options.order, other = given == FrontOrder::fifo ? FrontOrder::smoothness : FrontOrder::fifo;
-  for (const auto& [order, factor] :
-       {std::pair{other, 1.0}, {given, 0.9}, {other, 0.9}, {given, 0.8}, {other, 0.8}, {given, 0.7}}) {
+  // Other points inside; at last others on the curves as well, where too few leave no choice.
+  struct Remake {
+    FrontOrder order;
+    double factor;
+    bool of_curves;
+  };
+  for (const auto& [order, factor, of_curves] : {Remake{other, 1.0, false},
+                                                 {given, 0.9, false},
+                                                 {other, 0.9, false},
+                                                 {given, 0.8, false},
+                                                 {other, 0.8, false},
+                                                 {given, 0.7, false},
+                                                 {given, 0.8, true},
+                                                 {given, 0.6, true}}) {
     // Cells that no change mends are not worth more than some seconds.
     if (merit.poor_cells().empty() || n_tried > most_tried) break;
     options.order = order;
-    std::vector<SizeLimit> inside;
+    std::vector<SizeLimit> limits;
     if (factor < 1)
-      for (const Vector3& p : places) inside.push_back({p, factor * first.size_at(p)});
+      for (const SizeLimit& cell : poor)
+        limits.push_back({cell.place, factor * (of_curves ? cell.length : first.size_at(cell.place))});
     QuadMeshing next;
     try {
       QuadMesher again(matcher, size, options);
       again.limit(first.limits());
-      again.limit_inside(std::move(inside));
+      if (of_curves)
+        again.limit(limits);
+      else
+        again.limit_inside(std::move(limits));
       next = again.run(input);
     } catch (const error&) {
       continue;  // there is a mesh already
