@@ -62,7 +62,7 @@ private:
 };
 
 /// The middles and mean sides of cells.
-inline std::vector<SizeLimit> cells_as_limits(const QuadMesh& mesh, const std::vector<index_t>& cells) {
+FRAMEHEX_INLINE std::vector<SizeLimit> cells_as_limits(const QuadMesh& mesh, const std::vector<index_t>& cells) {
   std::vector<SizeLimit> limits;
   for (const index_t c : cells) {
     const QuadMesh::Cell& cell = mesh.cells[c];
@@ -90,35 +90,19 @@ FRAMEHEX_INLINE QuadMeshing mesh_quads(const Surface& input, const SizeFieldRef&
   std::size_t n_tried = s.n_tried_changes;
   const std::vector<SizeLimit> poor = cells_as_limits(best.mesh, merit.poor_cells());
   const FrontOrder given = options.order, other = given == FrontOrder::fifo ? FrontOrder::smoothness : FrontOrder::fifo;
-  // Other points inside; at last others on the curves as well, where too few leave no choice.
-  struct Remake {
-    FrontOrder order;
-    double factor;
-    bool of_curves;
-  };
-  for (const auto& [order, factor, of_curves] : {Remake{other, 1.0, false},
-                                                 {given, 0.9, false},
-                                                 {other, 0.9, false},
-                                                 {given, 0.8, false},
-                                                 {other, 0.8, false},
-                                                 {given, 0.7, false},
-                                                 {given, 0.8, true},
-                                                 {given, 0.6, true}}) {
+  for (const auto& [order, factor] :
+       {std::pair{other, 1.0}, {given, 0.9}, {other, 0.9}, {given, 0.8}, {other, 0.8}, {given, 0.7}}) {
     // Cells that no change mends are not worth more than some seconds.
     if (merit.poor_cells().empty() || n_tried > most_tried) break;
     options.order = order;
     std::vector<SizeLimit> limits;
     if (factor < 1)
-      for (const SizeLimit& cell : poor)
-        limits.push_back({cell.place, factor * (of_curves ? cell.length : first.size_at(cell.place))});
+      for (const SizeLimit& cell : poor) limits.push_back({cell.place, factor * first.size_at(cell.place)});
     QuadMeshing next;
     try {
       QuadMesher again(matcher, size, options);
       again.limit(first.limits());
-      if (of_curves)
-        again.limit(limits);
-      else
-        again.limit_inside(std::move(limits));
+      again.limit_inside(std::move(limits));
       next = again.run(input);
     } catch (const error&) {
       continue;  // there is a mesh already
