@@ -79,6 +79,7 @@ void add_course(nlohmann::ordered_json& json, const framehex::QuadMeshing& resul
                     {"widened", s.n_widened_edges},
                     {"shrunk", s.n_shrunk_places},
                     {"unfolded", s.n_unfolded},
+                    {"tried_changes", s.n_tried_changes},
                     {"left_triangles", s.n_left_triangles}};
   json["deviation"] = s.deviation;
   json["seconds"] = {{"preparation", t.preparation},
@@ -104,8 +105,9 @@ std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& 
   constexpr double far = 0.01;
   std::vector<std::string> texts;
   if (s.n_left_triangles > 0)
-    texts.push_back(std::to_string(s.n_left_triangles) +
-                    " triangles are left: the domain is too thin or too sharp for convex quadrilaterals alone");
+    texts.push_back(
+        std::to_string(s.n_left_triangles) +
+        " triangles are left: no attempt found convex quadrilaterals alone, as where corners are very sharp");
   if (s.deviation > far) {
     std::array<char, 120> text{};
     std::snprintf(text.data(), text.size(),
@@ -116,7 +118,7 @@ std::vector<std::string> shortcomings_of(const framehex::QuadMeshingStatistics& 
   return texts;
 }
 
-/// A curve by number and ends, with the polyline that it is of.
+/// A curve by its ends, with the polyline that it is of.
 std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t curve,
                           const framehex::PlanarOutline* outline) {
   const framehex::Surface& background = result.background;
@@ -130,7 +132,7 @@ std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t
       std::snprintf(text.data(), text.size(), "(%g, %g, %g)", p.x(), p.y(), p.z());
     return std::string(text.data());
   };
-  std::string text = "curve " + std::to_string(curve);
+  std::string text = "the curve";
   if (outline) {
     // Vertices of the outline keep their numbers; those between them come after.
     std::vector<framehex::index_t> given;
@@ -139,7 +141,7 @@ std::string name_of_curve(const framehex::QuadMeshing& result, framehex::index_t
     if (given.size() == 2)
       if (const std::string owner = framehex::detail::OutlineNames(*outline).owner_of_segment(given[0], given[1]);
           !owner.empty())
-        text += " of " + owner;
+        text = owner;
   }
   return text + ", from " + place(row.front()) + " to " + place(row.back()) + ",";
 }
@@ -158,7 +160,8 @@ bool write_quads(const Options& options, const framehex::QuadMeshing& result, co
                 {.cells = {{"scaled_jacobian", quality.scaled_jacobian}}, .points = {}}, json);
   end_progress();
   for (const framehex::index_t curve : result.statistics.lengthened_curves)
-    remark(options, name_of_curve(result, curve, outline) + " has one interval more than the size asks for");
+    remark(options, name_of_curve(result, curve, outline) +
+                        " has one interval more than its length gives, so that the region has an even number");
   for (const std::string& text : shortcomings) remark(options, text);
   if (!options.quiet) {
     print_summary(result.mesh, quality);

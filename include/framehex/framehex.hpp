@@ -41,6 +41,7 @@
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/cross_sampler.hpp"
 #include "framehex/surface/distinct_bends.hpp"
+#include "framehex/surface/distinct_tips.hpp"
 #include "framehex/surface/feature_carriers.hpp"
 #include "framehex/surface/feature_detection.hpp"
 #include "framehex/surface/feature_graph.hpp"

@@ -7,6 +7,7 @@
 #include "framehex/quads/quadrangulate.hpp"
 #include "framehex/surface/cross_field.hpp"
 #include "framehex/surface/distinct_bends.hpp"
+#include "framehex/surface/distinct_tips.hpp"
 #include "framehex/surface/retriangulation.hpp"
 
 namespace framehex {
@@ -25,6 +26,7 @@ struct QuadMeshingOptions {
   /// Without a volume behind them, bends of curves count as those of edges do.
   FeatureOptions features = {.corner_angle = FeatureOptions{}.angle};
   BendOptions bends = {};  ///< which smaller bends are corners too
+  TipOptions tips = {};    ///< and which vertices inside patches
   CrossFieldOptions cross_field = {};
   FrontOrder order = FrontOrder::smoothness;
   CurveOptions curves = {};
@@ -40,6 +42,7 @@ struct QuadMeshingOptions {
   static void each_number(Options& o, Visit&& visit) {
     FeatureOptions::each_number(o.features, visit);
     BendOptions::each_number(o.bends, visit);
+    TipOptions::each_number(o.tips, visit);
     CrossFieldOptions::each_number(o.cross_field, visit);
     CurveOptions::each_number(o.curves, visit);
     SurfaceOptions::each_number(o.surface, visit);
@@ -86,6 +89,7 @@ struct QuadMeshingStatistics {
   std::size_t n_split_edges = 0;    ///< of curves, after the triangulation, for the same reason
   std::size_t n_widened_edges = 0;  ///< that got a vertex because they lead from curve to curve where no cell fitted
   std::size_t n_shrunk_places = 0;  ///< about which cells are smaller, because the input was too far from them
+  std::size_t n_tried_changes = 0;  ///< of the connectivity of quadrilaterals, in all attempts
   /// Cells of the last attempt that were folded as they were joined; improvement has unfolded them.
   std::size_t n_unfolded = 0;
   /// Triangles of the mesh where no attempt left convex quadrilaterals alone; otherwise 0.

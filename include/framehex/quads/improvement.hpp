@@ -44,6 +44,7 @@ struct QuadImprovement {
   std::vector<index_t> folded;
   std::size_t n_folded_given = 0;  ///< such cells of the mesh given, once its vertices lie on their patches and curves
   std::size_t n_changes = 0;       ///< of the connectivity
+  std::size_t n_tried = 0;         ///< the same, with those that were taken back
   Status status = Status::complete;
 };
 
@@ -66,6 +67,7 @@ public:
     if (!done) result.status = Status::cancelled;
     write(result);
     result.n_changes = cleaner_.n_changes();
+    result.n_tried = cleaner_.n_tried();
     return result;
   }
 

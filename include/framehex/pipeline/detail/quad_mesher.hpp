@@ -31,16 +31,25 @@ public:
       *observer = options_.observer;
   }
 
-  /// @param inside  limits of the size that points inside patches keep besides, not those of curves.
-  QuadMeshing run(Surface input, std::vector<SizeLimit> inside = {}) {
+  /// Limits of the size that points inside patches keep besides, not those of curves.
+  void limit_inside(std::vector<SizeLimit> limits) { inside_ = std::move(limits); }
+
+  /// Begins with limits that another run has ended with: what it took to come near the input is not looked for again.
+  void limit(std::span<const SizeLimit> limits) { size_.add(limits); }
+
+  /// Those that there are now.
+  const std::vector<SizeLimit>& limits() const { return size_.limits(); }
+  double size_at(const Vector3& p) const { return size_(p); }
+
+  QuadMeshing run(Surface input) {
     input_ = std::move(input);
-    inside_ = std::move(inside);
     diagonal_ = bounding_box(input_.points).diagonal().norm();
     add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     if (!follow_curves()) return cancelled<QuadMeshing>();
     locator_ = SurfaceLocator(input_);
     carriers_ = FeatureCarriers(input_);
     if (!refine_surface()) return cancelled<QuadMeshing>();
+    keep_tips();
     watch_.lap(result_.seconds.preparation);
     if (!make_field()) return cancelled<QuadMeshing>();
     watch_.lap(result_.seconds.field);
@@ -71,13 +80,16 @@ public:
         shrink(limits);
         continue;
       }
-      if (n_folded > 1 && folded_.size() >= folded_before_) break;
+      if (n_folded > 3 && folded_.size() >= folded_before_) break;
       folded_before_ = folded_.size();
       remember_folded();
+      // Where wider strips have not helped, curves get other numbers of intervals.
+      if (n_folded > 0) shrink(limits_where_folded());
       ++n_folded;
     }
     if (sound_) {
       sound_->seconds = result_.seconds;
+      sound_->statistics.n_tried_changes = result_.statistics.n_tried_changes;
       return std::move(*sound_);
     }
     if (!leave_triangles()) return cancelled<QuadMeshing>();
@@ -87,7 +99,7 @@ public:
 
 private:
   static constexpr double halved = 2.5;       ///< triangles whose edges are halved to be short, by those that just are
-  static constexpr int most_widenings = 4;    ///< attempts that leave folded cells
+  static constexpr int most_widenings = 7;    ///< attempts that leave folded cells
   static constexpr int usual_shrinkings = 5;  ///< attempts that are too far from the input, after the first
   static constexpr int most_shrinkings = 12;  ///< the same, where even the nearest is much too far
   static constexpr double near_enough = 1.2;  ///< by the deviation that is wanted: not much too far
@@ -109,6 +121,9 @@ private:
       size_.add(limits);
       add_corners(input_.features, distinct_bends(input_, size_, options_.bends));
     }
+    const CurveInsertion curves = insert_curve_points(input_, size_, options_.curves);
+    if (curves.status == Status::cancelled) return false;
+    size_.add(limits_beside_short_curves(input_, curves, size_));
     result_.statistics.n_shrunk_places = size_.limits().size();
     return true;
   }
@@ -125,8 +140,16 @@ private:
     return true;
   }
 
+  /// Tips that stand out at the size as it is become corners.
+  void keep_tips() {
+    const std::vector<index_t> tips = distinct_tips(input_, size_, options_.tips);
+    add_tips(input_.features, tips);
+    add_tips(result_.background.features, tips);  // the input's vertices keep their numbers
+  }
+
   void shrink(const std::vector<SizeLimit>& limits) {
     size_.add(limits);
+    keep_tips();
     result_.statistics.n_shrunk_places = size_.limits().size();
   }
 
@@ -292,6 +315,7 @@ private:
     result_.mesh = std::move(improved.mesh);
     folded_ = std::move(improved.folded);
     result_.statistics.n_unfolded = improved.n_folded_given;
+    result_.statistics.n_tried_changes += improved.n_tried;
     return true;
   }
 
@@ -344,6 +368,19 @@ private:
     for (index_t v = 0; v < surface.points.size(); ++v)
       if (!surface.adjacency.triangles_of_vertex[v].empty())
         add(surface.points[v], to_mesh.nearest(surface.points[v]).distance);
+    return limits;
+  }
+
+  /// Half the longest side of each folded cell.
+  std::vector<SizeLimit> limits_where_folded() const {
+    std::vector<SizeLimit> limits;
+    for (const index_t q : folded_) {
+      const QuadMesh::Cell& c = result_.mesh.cells[q];
+      double longest = 0;
+      for (std::size_t i = 0, n = QuadMesh::n_corners(c); i < n; ++i)
+        longest = std::max(longest, (result_.mesh.points[c[(i + 1) % n]] - result_.mesh.points[c[i]]).norm());
+      limits.push_back({centre(q), longest / 2});
+    }
     return limits;
   }
 

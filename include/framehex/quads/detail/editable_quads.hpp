@@ -45,6 +45,10 @@ public:
   /// Is the fan of a copy closed, without a curve or rim?
   bool is_inside(index_t v) const { return curve[v] == no_index && !fixed_[v] && next_copy[v] == v; }
   bool is_fixed(index_t v) const { return fixed_[v]; }
+  /// Is it a corner inside a patch?
+  bool is_tip(index_t v) const {
+    return fixed_[v] && next_copy[v] == v && half_edge_of[v] != no_index && opposite[half_edge_of[v]] != no_index;
+  }
 
   explicit EditableQuads(const QuadMesh& mesh) {
     std::unordered_set<std::uint64_t> walls;

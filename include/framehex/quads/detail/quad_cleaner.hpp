@@ -4,6 +4,7 @@
 #include "framehex/observer.hpp"
 #include "framehex/quads/detail/quad_smoother.hpp"
 
+#include <map>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -19,6 +20,7 @@ public:
   QuadCleaner(EditableQuads& quads, QuadSmoother& smoother) : quads_(quads), smoother_(smoother) { set_targets(); }
 
   std::size_t n_changes() const { return n_changes_; }
+  std::size_t n_tried() const { return n_tried_; }  ///< changes, those that were taken back with them
 
   /// Vertices about the changes since the last call, some more than once.
   std::vector<index_t> take_changed() { return std::exchange(changed_, {}); }
@@ -38,11 +40,11 @@ public:
 
   /// Tries changes that make the vertices about them more regular. @return false when the observer has cancelled.
   bool reduce_irregular(const Observer& observer) {
-    std::size_t n_tried = 0;
+    std::size_t n_looked_at = 0;
+    failed_at_.clear();
     for (index_t v = 0; v < quads_.points.size(); ++v)
       for (int i = 0; i < most_changes && penalty(v) > 0; ++i) {
-        failed_.clear();
-        if (n_tried++ % 64 == 0 && !keep_going(observer, "improvement", 0)) return false;
+        if (n_looked_at++ % 64 == 0 && !keep_going(observer, "improvement", 0)) return false;
         if (!change_about(v, Purpose::regularity)) break;
       }
     return true;
@@ -50,14 +52,16 @@ public:
 
   /// Tries changes about cells that are bad, even some that make vertices less regular.
   bool mend(double bad, const Observer& observer) {
+    failed_at_.clear();  // smoothing has moved all of it
     // Where a surface is folded or flat, cells that are put in may be as bad as those about them, without end.
     const std::size_t most_cells = quads_.corners.size() + quads_.corners.size() / 8 + 20;
-    for (index_t q = 0; q < std::min(quads_.corners.size(), most_cells); ++q)
-      for (int i = 0; i < most_changes && quads_.alive(q) && smoother_.quality(q) < bad; ++i) {
+    // Nor is a mesh of bad cells throughout worth more than so many attempts, however poor the input makes them.
+    const std::size_t most_tried = n_tried_ + tried_at_least + tried_a_cell * quads_.corners.size();
+    for (index_t q = 0; q < std::min(quads_.corners.size(), most_cells) && n_tried_ < most_tried; ++q)
+      for (int i = 0; i < most_changes && quads_.alive(q) && smoother_.free_quality(q) < bad; ++i) {
         if (!keep_going(observer, "improvement", 0)) return false;
         const auto corners = quads_.corners[q];
         bool changed = false;
-        failed_.clear();
         for (index_t k = 0; k < quads_.size(q) && !changed; ++k)
           if (quads_.half_edge_of[corners[k]] != no_index) changed = change_about(corners[k], Purpose::quality);
         if (!changed) break;
@@ -80,12 +84,15 @@ private:
   static constexpr int most_changes = 4;      ///< about one vertex or cell in a round
   static constexpr double pillow_gain = -10;  ///< five cells in place of one: the last resort
   static constexpr double least_gain = 0.02;  ///< of quality, for a change that mends
-  static constexpr double good = 0.45;        ///< a change may make the worst cell about it this bad
+  static constexpr std::size_t tried_at_least = 2000, tried_a_cell = 20;
+  static constexpr double at_rest = 1e-3;  ///< mean edges
+  static constexpr double good = 0.45;     ///< a change may make the worst cell about it this bad
 
   /// Right angles that fit between the curves or rims of a fan.
   void set_targets() {
     for (index_t v = 0; v < quads_.points.size(); ++v) {
       const index_t h = quads_.half_edge_of[v];
+      if (h != no_index && quads_.is_tip(v)) quads_.target[v] = cells_round_tip(v);
       if (h == no_index || quads_.opposite[h] != no_index) continue;
       index_t last = h;
       quads_.for_each_outgoing(v, [&](index_t o) { last = o; });
@@ -96,6 +103,16 @@ private:
       if (angle <= 1e-3) angle += 2 * std::numbers::pi;
       quads_.target[v] = static_cast<index_t>(std::max(1L, std::lround(angle / (std::numbers::pi / 2))));
     }
+  }
+
+  index_t cells_round_tip(index_t v) const {
+    double angle = 0;
+    quads_.for_each_outgoing(v, [&](index_t h) {
+      const Vector3& p = quads_.points[v];
+      const Vector3 x = quads_.points[quads_.to(h)] - p, y = quads_.points[quads_.from(quads_.previous(h))] - p;
+      angle += std::atan2(x.cross(y).norm(), x.dot(y));
+    });
+    return static_cast<index_t>(std::max(3L, std::lround(angle / (std::numbers::pi / 2))));
   }
 
   bool is_doublet(index_t v) const {
@@ -133,16 +150,31 @@ private:
       return std::tuple(-x.gain, x.operation, x.h, x.k) < std::tuple(-y.gain, y.operation, y.h, y.k);
     });
     for (const Candidate& candidate : candidates_) {
-      const Change change = change_of(candidate);
-      const auto place = std::lower_bound(failed_.begin(), failed_.end(), change);
-      if (place != failed_.end() && *place == change) continue;
+      const auto [failed, is_new] = failed_at_.try_emplace(change_of(candidate), 0);
+      if (!is_new && failed->second >= changed_at(candidate)) continue;
       if (attempt(candidate, purpose)) {
-        ++n_changes_;
+        date_change();
         return true;
       }
-      failed_.insert(place, change);
+      failed->second = n_changes_;
     }
     return false;
+  }
+
+  void date_change() {
+    ++n_changes_;
+    changed_at_.resize(quads_.points.size(), 0);
+    for (const index_t v : region_) changed_at_[v] = n_changes_;
+  }
+
+  /// The number of the last change that moved a vertex of the cells that a candidate changes.
+  std::size_t changed_at(const Candidate& candidate) {
+    changed_at_.resize(quads_.points.size(), 0);
+    std::size_t last = 0;
+    const index_t g = quads_.opposite[candidate.h];
+    for (const index_t cell : {candidate.h / 4, g == no_index ? candidate.h / 4 : g / 4})
+      for (index_t i = 0; i < quads_.size(cell); ++i) last = std::max(last, changed_at_[quads_.corners[cell][i]]);
+    return last;
   }
 
   /// The same for both half edges of an edge, from which most changes can be seen.
@@ -162,7 +194,9 @@ private:
     return {operation, h, candidate.k};
   }
 
-  bool inside_and_thin(index_t v, index_t least) const { return quads_.n_cells[v] < (quads_.is_inside(v) ? least : 2); }
+  bool inside_and_thin(index_t v, index_t least) const {
+    return quads_.n_cells[v] < (quads_.is_inside(v) || quads_.is_tip(v) ? least : 2);
+  }
 
   /// Does a half edge lie between two quadrilaterals that have six different corners?
   bool in_hexagon(index_t h) const {
@@ -248,8 +282,12 @@ private:
     const double before = least_quality(), deficit_before = deficit();
     quads_.mark();
     apply(candidate);
-    for (int sweep = 0; sweep < 5; ++sweep)
-      for (const index_t v : region_) smoother_.relax(v);
+    ++n_tried_;
+    for (int sweep = 0; sweep < 5; ++sweep) {
+      double moved = 0;
+      for (const index_t v : region_) moved = std::max(moved, smoother_.relax(v));
+      if (moved < at_rest) break;
+    }
     const double after = least_quality();
     const bool better = purpose == Purpose::regularity
                             ? after >= std::min(before, good)
@@ -328,9 +366,10 @@ private:
 
   EditableQuads& quads_;
   QuadSmoother& smoother_;
-  std::size_t n_changes_ = 0;
+  std::size_t n_changes_ = 0, n_tried_ = 0;
   std::vector<Candidate> candidates_;
-  std::vector<Change> failed_;  ///< sorted; since the last change, or about another vertex or cell
+  std::vector<std::size_t> changed_at_;      ///< by copy: after how many changes in all it was last moved by one
+  std::map<Change, std::size_t> failed_at_;  ///< how many changes there were when it was last tried in vain
   std::vector<index_t> region_, fan_, changed_;
 };
 

@@ -57,11 +57,18 @@ public:
     return 0;
   }
 
-  /// Least scaled Jacobian of the cells round a vertex.
+  /// Is the angle of a cell the input's doing? A corner that has room for one cell and has no more is as sharp as it is,
+  /// and so is a tip that three surround.
+  bool is_given(index_t v) const {
+    const index_t n = quads_.is_tip(v) ? 3 : 1;
+    return quads_.is_fixed(v) && quads_.n_cells[v] <= n && quads_.target[v] <= n;
+  }
+
+  /// Least free quality of the cells round a vertex.
   double least_quality(index_t v) const {
     double least = 1;
     quads_.for_each_copy(v, [&](index_t copy) {
-      quads_.for_each_outgoing(copy, [&](index_t h) { least = std::min(least, quality(h / 4)); });
+      quads_.for_each_outgoing(copy, [&](index_t h) { least = std::min(least, free_quality(h / 4)); });
     });
     return least;
   }
@@ -69,6 +76,19 @@ public:
   double quality(index_t q) const {
     std::array<Vector3, 4> storage;
     return scaled_jacobian(places(q, storage), normal(q));
+  }
+
+  /// The same of the corners about which the input leaves a choice.
+  double free_quality(index_t q) const {
+    double least = 1;
+    const Vector3 n = normal(q);
+    for (index_t h = 4 * q; h < 4 * q + quads_.size(q); ++h) {
+      if (is_given(quads_.from(h))) continue;
+      const Vector3 x = at(quads_.next(h)) - at(h), y = at(quads_.previous(h)) - at(h);
+      const double lengths = std::sqrt(x.squaredNorm() * y.squaredNorm());
+      least = std::min(least, lengths > 0 ? x.cross(y).dot(n) / lengths : 0.0);
+    }
+    return least;
   }
 
   bool is_convex(index_t q) const {
@@ -103,6 +123,7 @@ public:
       return;
     }
     const Vector3 at = quads_.is_fixed(v) ? quads_.points[v] : carriers_.onto_curve(quads_.curve[v], wished);
+    if (quads_.is_tip(v)) return;  // without a normal: the cells about it have those of their other corners
     quads_.for_each_copy(v, [&](index_t copy) {
       quads_.points.set(copy, at);
       if (quads_.half_edge_of[copy] != no_index)

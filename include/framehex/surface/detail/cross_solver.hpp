@@ -119,6 +119,8 @@ public:
 
 private:
   static constexpr std::size_t most_factorised = 160'000, n_clusters = 20'000;
+  static constexpr int guide_steps = 4;
+  static constexpr double nearly_smoothest = 1.5;  ///< eigenvalues; those of clusters are inexact
   using Vector = Eigen::VectorXcd;
   using Matrix = Eigen::SparseMatrix<Complex>;
   using Factor = Eigen::SimplicialLDLT<Matrix>;
@@ -196,7 +198,7 @@ private:
     Vector x(n);
     for (Eigen::Index i = 0; i < n; ++i) x[i] = guide[u.edges[static_cast<std::size_t>(i)]];
     if (u.edges.size() <= most_factorised) {
-      if (!solve_smoothest([&](double shift) { return assemble(u, shift, nullptr); }, m, options, x)) return false;
+      if (!solve_smoothest([&](double shift) { return assemble(u, shift, nullptr); }, m, options, 1, x)) return false;
     } else {
       if (!solve_on_clusters(u, m, options, x)) return false;
     }
@@ -214,16 +216,17 @@ private:
       sum.diagonal() += Vector(shift * coarse_mass.array());
       return sum;
     };
-    if (!solve_smoothest(matrix, coarse_mass, options, y)) return false;
+    if (!solve_smoothest(matrix, coarse_mass, options, nearly_smoothest, y)) return false;
     x = clusters.prolong(y);
     return spread(u, m, m.sum() / static_cast<double>(clusters.size()), x);
   }
 
   /// @param matrix_with  stiffness plus a multiple of the mass.
+  /// @param nearly       least eigenvalues up to which numbers that agree with the guide are taken.
   /// @param x            the guide; replaced by the solution.
   template <class MatrixWith>
   bool solve_smoothest(const MatrixWith& matrix_with, const Eigen::VectorXd& m, const ClosedOptions& options,
-                       Vector& x) const {
+                       double nearly, Vector& x) const {
     const Eigen::Index n = x.size();
     const double shift =
         1e-3 / m.sum();  // below the least eigenvalue of any surface with curvature, so convergence is quick
@@ -254,6 +257,16 @@ private:
       const double last = std::exchange(eigenvalue, 1 / scale(x));
       if (std::abs(eigenvalue - last) <= options.tolerance * eigenvalue) break;
     }
+    // Numbers that agree with the curvature and are next to as smooth are worth more: on a torus the smoothest are those
+    // about its top and its bottom, which do not fit together.
+    Vector own = pull;
+    double of_own = 0;
+    for (int i = 0; i < guide_steps && own.squaredNorm() > 0; ++i) {
+      if (!going()) return false;
+      own = factor.solve(Vector(m.array() * own.array()));
+      of_own = 1 / scale(own);
+    }
+    if (of_own > 0 && of_own <= nearly * eigenvalue) x = own;
     if (options.curvature > 0) {
       pull = factor.solve(Vector(m.array() * pull.array()));
       scale(pull);
