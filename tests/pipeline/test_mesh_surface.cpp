@@ -539,3 +539,21 @@ TEST_CASE("where the tetrahedraliser loses triangles of the surface the size shr
   REQUIRE_FALSE(result.size_limits.empty());
   for (const SizeLimit& limit : result.size_limits) CHECK(limit.place.norm() < 1.1);
 }
+
+TEST_CASE("a surface that crosses itself is refused before anything is made of it", "[regression]") {
+  IndexedTriangleMesh two = test::box_surface({1, 1, 1});
+  const IndexedTriangleMesh one = two;
+  for (const auto& t : one.triangles) two.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  for (const Vector3& p : one.points) two.points.push_back(p + Vector3(0.5, 0.4, 0.3));
+  const auto never = [](const TetrahedralizationRequest&) -> TetrahedralizationResult {
+    throw std::logic_error("asked for tetrahedra");
+  };
+  try {
+    mesh_surface(two, Constant{0.4}, never);
+    FAIL();
+  } catch (const invalid_surface& e) {
+    REQUIRE(e.indices().size() == 2);
+    CHECK(e.indices()[0] < 12);
+    CHECK(e.indices()[1] >= 12);
+  }
+}

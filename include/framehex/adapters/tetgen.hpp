@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/adapters/detail/refuse_crossings.hpp"
 #include "framehex/mesh/concepts.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
+#include "framehex/surface/self_intersection.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 #ifndef TETLIBRARY
@@ -115,7 +115,8 @@ struct TetgenLibrary {
   std::string switches = "pYJO2/1M0/1FQ";
 
   TetrahedralizationResult operator()(const TetrahedralizationRequest& request) const {
-    detail::refuse_crossings(request);
+    if (!refuse_self_intersection(TriangleView{request.points, request.triangles}, request.observer))
+      return {{}, {}, Status::cancelled};
     tetgenio in, out;
     detail::fill_tetgen_input(request, in);
     std::string text = switches;

@@ -33,7 +33,7 @@ MeshingResult mesh_regions(Surface input, SurfaceRegions regions, const SizeFiel
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
 /// @return the mesh with labels (regions when there are several; patches: those of `options.features.patches`, else of
 ///         `detect_features`; feature curves), frames, statistics and seconds of each stage.
-/// @throws what `validate_surface`, `find_regions`, `tetrahedralize` and the stages throw; nothing is left behind.
+/// @throws what `validate_surface`, `find_regions`, `refuse_self_intersection`, `tetrahedralize` and the stages throw; nothing is left behind.
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 /// @par Source       The paper, section 1, and the stages' own. Departs: regions.

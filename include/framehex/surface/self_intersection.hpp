@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 namespace framehex {
 
@@ -205,6 +206,28 @@ std::vector<std::array<index_t, 2>> find_self_intersections(const M& mesh,
   const Observer nobody;
   detail::Pulse pulse(nobody, "");
   return detail::find_crossings(surface.points, surface.triangles, max_pairs, pulse);
+}
+
+/// Refuses a surface that crosses or touches itself, before anything is made of it.
+///
+/// @param mesh  as for `find_self_intersections`.
+/// @return false when cancelled.
+/// @throws invalid_surface  naming two triangles, and where they meet.
+/// @par Complexity   O(n log n) for triangles that are not all in one place.
+template <TriangleMesh M>
+bool refuse_self_intersection(const M& mesh, const Observer& observer = {}) {
+  const auto& surface = detail::flat(mesh);
+  detail::Pulse pulse(observer, "self-intersections");
+  const auto pairs = detail::find_crossings(surface.points, surface.triangles, 1, pulse);
+  if (pulse.stopped()) return false;
+  if (pairs.empty()) return true;
+  const auto [s, t] = pairs.front();
+  std::ostringstream message;
+  message << "the surface crosses or touches itself: triangles " << s << " and " << t << " meet near ("
+          << surface.points[surface.triangles[t][0]].transpose().format(
+                 Eigen::IOFormat(Eigen::StreamPrecision, 0, ", ", ", "))
+          << ')';
+  throw invalid_surface(message.str(), Entity::triangle, {s, t});
 }
 
 }  // namespace framehex

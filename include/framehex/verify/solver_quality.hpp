@@ -22,7 +22,7 @@ struct SolverQuality {
   double weight = 0.5;       ///< least of an inner face: its share of the way between its cells' centres, across it
   double volume_ratio = 1;   ///< least of the smaller to the larger cell at a face
   double determinant = 1;    ///< least of a cell: do its inner faces look into all directions? 0 to 1
-  std::vector<index_t> bad_decomposition;  ///< the first cell of each face whose decomposition is 0 or less, ascending
+  std::vector<index_t> bad_decomposition;  ///< both cells of faces whose decomposition is 0 or less, ascending
   std::vector<index_t> small_determinant;  ///< cells with a determinant below `least_determinant`, ascending
   std::vector<index_t> small_weight;       ///< the cell that is nearer to each face below `least_weight`, ascending
   std::vector<index_t> lonely;             ///< cells with one inner face at most, ascending
@@ -61,7 +61,9 @@ struct SolverQualityMeasure {
     const double quality = best_decomposition(std::span(p).first(face.size()), cells[face.cell].centre,
                                               other == no_index ? nullptr : &cells[other].centre);
     result.decomposition = std::min(result.decomposition, quality);
-    if (quality <= 0) result.bad_decomposition.push_back(face.cell);
+    if (quality > 0) return;
+    result.bad_decomposition.push_back(face.cell);
+    if (other != no_index) result.bad_decomposition.push_back(other);
   }
 
   void add_inner_face(const CellFace& face, index_t other) {
@@ -114,8 +116,10 @@ inline SolverQuality solver_quality(const MixedMesh& mesh) {
     measure.measure_face(uses[0], uses.size() == 2 ? uses[1].cell : no_index);
     if (uses.size() == 2) measure.add_inner_face(uses[0], uses[1].cell);
   }
-  for (auto* cells : {&measure.result.bad_decomposition, &measure.result.small_weight})
-    std::sort(cells->begin(), cells->end());
+  std::ranges::sort(measure.result.small_weight);
+  auto& bad = measure.result.bad_decomposition;
+  std::ranges::sort(bad);
+  bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
   measure.finish();
   return std::move(measure.result);
 }

@@ -154,8 +154,17 @@ public:
     return apex;
   }
 
-  /// Improves the place of a new vertex by a pattern search along the axes and the diagonals.
+  /// Improves the place of a new vertex.
   double improve_point(const Cavity& cavity, Vector3& point, double step, double best) const {
+    return climb(point, step, best,
+                 [&](const Vector3& p, double least) { return evaluate(cavity, p, no_index, least); });
+  }
+
+  /// Moves a point uphill by a pattern search along the axes and the diagonals. @return the height reached.
+  ///
+  /// @param height  callable: point, the height from which on it must be exact -> height.
+  template <class Height>
+  static double climb(Vector3& point, double step, double best, const Height& height) {
     constexpr double least_step = 1.0 / 64;
     // Where no place sees all faces the best one may be at infinity, nearer and nearer to none at all.
     constexpr int most_rounds = 256;
@@ -169,7 +178,7 @@ public:
         else
           direction = Vector3((d - 6) & 1 ? 1 : -1, (d - 6) & 2 ? 1 : -1, (d - 6) & 4 ? 1 : -1) * 0.57735026918962576;
         const Vector3 trial = point + step * direction;
-        const double q = evaluate(cavity, trial, no_index, best);
+        const double q = height(trial, best);
         if (q > best) {
           best = q;
           point = trial;

@@ -94,22 +94,33 @@ private:
     Vector3 point = Vector3::Zero();
     for (const index_t v : trial_.vertices) point += complex_.points[v] / static_cast<double>(trial_.vertices.size());
     const double step = 0.2 * (complex_.points[trial_.vertices[0]] - point).norm();
-    const double start = filler_.evaluate(trial_, point, no_index);
-    const double quality = filler_.improve_point(trial_, point, step, start);
+    double quality = filler_.improve_point(trial_, point, step, filler_.evaluate(trial_, point, no_index));
+    if (quality > least_quality && fit(point, no_index) < 1) quality = move_to_fit(point, step, quality);
     keep_if_better(quality, point, no_index);
   }
 
+  /// The best shape need not be one that fits: moves the new vertex to where both shape and fit are above their least.
+  /// @return its quality there.
+  double move_to_fit(Vector3& point, double step, double quality) const {
+    const auto excess = [&](const Vector3& p, double) {
+      return std::min(filler_.evaluate(trial_, p, no_index) / least_quality, fit(p, no_index));
+    };
+    CavityFiller::climb(point, 0.5 * step, std::min(quality / least_quality, fit(point, no_index)), excess);
+    return filler_.evaluate(trial_, point, no_index);
+  }
+
   void keep_if_better(double quality, const Vector3& point, index_t apex) {
-    if (quality <= best_quality_ || !suits(point, apex)) return;
+    if (quality <= best_quality_ || fit(point, apex) < 1) return;
     best_quality_ = quality;
     best_point_ = point;
     best_apex_ = apex;
     best_ = trial_;
   }
 
-  /// Whether the faces of the trial cavity can be cut into tetrahedra with the centres of the cells on both sides, and lie
-  /// between them.
-  bool suits(const Vector3& point, index_t apex) const {
+  /// How far the faces of the trial cavity can be cut into tetrahedra with the centres of the cells on both sides, and lie
+  /// between them: 1 where both are as little as is taken.
+  double fit(const Vector3& point, index_t apex) const {
+    double least = std::numeric_limits<double>::infinity();
     for (const auto& face : trial_.faces) {
       if (apex != no_index && std::find(face.begin(), face.end(), apex) != face.end()) continue;
       std::array<Vector3, 4> corners{};
@@ -117,14 +128,14 @@ private:
       for (std::size_t i = 0; i < n; ++i) corners[i] = complex_.points[face[i]];
       const index_t beyond = cell_behind(complex_, trial_, face);
       const Vector3 here = centre_of_star(face, point), other = beyond == no_index ? Vector3::Zero() : centre(beyond);
-      if (best_decomposition(std::span(corners).first(n), here, beyond == no_index ? nullptr : &other) <
-          least_decomposition)
-        return false;
+      least =
+          std::min(least, best_decomposition(std::span(corners).first(n), here, beyond == no_index ? nullptr : &other) /
+                              least_decomposition);
       if (beyond == no_index) continue;
       const double weight = face_weight(face_geometry(std::span(corners).first(n)), here, other);
-      if (std::min(weight, 1 - weight) < verify::least_weight) return false;
+      least = std::min(least, std::min(weight, 1 - weight) / verify::least_weight);
     }
-    return true;
+    return least;
   }
 
   Vector3 centre_of_star(const std::array<index_t, 4>& face, const Vector3& point) const {

@@ -16,6 +16,7 @@
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/input_wedges.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/self_intersection.hpp"
 #include "framehex/surface/surface_locator.hpp"
 #include "framehex/tetrahedralization/background.hpp"
 #include "framehex/tetrahedralization/flat_tets.hpp"
@@ -47,6 +48,8 @@ public:
   MeshingResult run(Surface input, SurfaceRegions regions) {
     input_ = std::move(input);
     regions_ = std::move(regions);
+    // Its own samples would cross at any size.
+    if (!refuse_self_intersection(input_, options_.observer)) return cancelled<MeshingResult>();
     locator_ = SurfaceLocator(input_);
     check_sizes();
     if (!refine_surface() || !make_field()) return cancelled<MeshingResult>();
