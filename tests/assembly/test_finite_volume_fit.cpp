@@ -59,3 +59,8 @@ TEST_CASE("distorted lattices fit finite volumes when asked to", "[assembly][fin
   CAPTURE(seed);
   check_fit(recombine(mesh, for_finite_volumes()), 64);
 }
+
+TEST_CASE("a new vertex goes where its cells fit, which need not be where their shapes are best",
+          "[assembly][finite volume]") {
+  check_fit(recombine(test::jittered_delaunay(7, 3, 0.35), for_finite_volumes()), 343);
+}

@@ -117,7 +117,7 @@ private:
   /// New cells are of poor shape, and moving vertices may spoil what fitted: in turn, a few times, and fitting has the
   /// last word.
   void fit_finite_volumes() {
-    constexpr int max_rounds = 4;
+    constexpr int max_rounds = 8;
     FiniteVolumeFit fit(builder_->complex);
     for (int round = 0; round < max_rounds && !pulse_.stopped(); ++round) {
       if (fit.run(statistics_) == 0) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/assembly/detail/cavity.hpp"
+#include "framehex/assembly/detail/cavity_grower.hpp"
 #include "framehex/assembly/detail/mixed_export.hpp"
 #include "framehex/assembly/options.hpp"
 #include "framehex/geometry/face_geometry.hpp"
@@ -17,7 +17,7 @@ namespace framehex::detail {
 /// the boundary, so that none of them leaves a direction out.
 class FiniteVolumeFit {
 public:
-  explicit FiniteVolumeFit(CellComplex& complex) : complex_(complex), filler_(complex) {}
+  explicit FiniteVolumeFit(CellComplex& complex) : complex_(complex), filler_(complex), grower_(complex, filler_) {}
 
   /// Replaces what it can, once. @return how many cells solvers refused before.
   std::size_t run(AssemblyStatistics& statistics) {
@@ -51,12 +51,20 @@ private:
     try_cavity({cell});
     try_neighbours(cell, is_soft);
     try_rings(cell, is_soft);
+    const auto any = [](CellKind) { return true; };
     if (best_quality_ < good_quality) {
-      const auto any = [](CellKind) { return true; };
       try_neighbours(cell, any);
       try_rings(cell, any);
     }
     if (best_quality_ <= least_quality) try_balls(cell);
+    if (best_quality_ <= least_quality) {
+      grows_ = true;
+      try_cavity({cell});
+      try_neighbours(cell, any);
+      try_rings(cell, any);
+      try_balls(cell);
+      grows_ = false;
+    }
     if (best_quality_ <= least_quality) return false;
     if (best_apex_ != no_index) return filler_.fill(best_, best_apex_) > 0;
     return filler_.fill_from_new_vertex(best_, best_point_);
@@ -95,6 +103,7 @@ private:
     for (const index_t v : trial_.vertices) point += complex_.points[v] / static_cast<double>(trial_.vertices.size());
     const double step = 0.2 * (complex_.points[trial_.vertices[0]] - point).norm();
     double quality = filler_.improve_point(trial_, point, step, filler_.evaluate(trial_, point, no_index));
+    if (grows_) grower_.grow(trial_, quality, point, 0.5 * step);
     if (quality > least_quality && fit(point, no_index) < 1) quality = move_to_fit(point, step, quality);
     keep_if_better(quality, point, no_index);
   }
@@ -154,6 +163,8 @@ private:
 
   CellComplex& complex_;
   CavityFiller filler_;
+  CavityGrower grower_;
+  bool grows_ = false;  // cavities take in what hides their faces from the new vertex
   std::vector<index_t> ring_;
   Cavity trial_, best_;
   Vector3 best_point_ = Vector3::Zero();
