@@ -117,6 +117,25 @@ TEST_CASE("text outlines: what a line may hold, and which line is refused", "[re
   }
 }
 
+TEST_CASE("what is wrong in an OBJ outline or a loop is named where it stands", "[regression]") {
+  const std::string square = "v 0 0\nv 1 0\nv 1 1\nv 0 1\nl 1 2 3 4 1\n";
+  for (const char* const line : {"l 2 9", "l 2 -5", "l 2 x", "l 0 1"}) {
+    CAPTURE(line);
+    try {
+      detail::read_obj_outline("obj", square + line + "\nv 5 5\n");
+      FAIL("was read");
+    } catch (const io_error& e) {
+      CHECK(e.indices() == std::vector<std::size_t>{6});
+    }
+  }
+  try {
+    mesh_planar(text("0 0\n1 0\n1 1\n0 1\n\n.3 .3\n.4 .4\n"), ConstantSize{0.25}, LemonMatcher{});
+    FAIL("was meshed");
+  } catch (const error& e) {
+    CHECK(std::string(e.what()).find("loop 1 goes to and fro") != std::string::npos);
+  }
+}
+
 TEST_CASE("outlines with z lie in one plane z = const, and so does the mesh") {
   const auto obj = [](const std::string& lines) { return detail::read_obj_outline("obj", lines + "l 1 2 3 4 1\n"); };
   const QuadMeshing high =

@@ -114,6 +114,14 @@ public:
     return text;
   }
 
+  /// What is left of the line, to be read by itself: its end is that of the line, and faults are in this line of the file.
+  Cursor rest_of_line() {
+    Cursor rest = *this;
+    const std::string_view text = line();
+    rest.bytes_ = bytes_.substr(0, rest.at_ + text.size());
+    return rest;
+  }
+
   template <class Number>
   Number number(const char* what) {
     const std::size_t before = (skip_space(), at_);

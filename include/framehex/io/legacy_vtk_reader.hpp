@@ -127,7 +127,7 @@ private:
 
   void read_scalars(std::string_view name) {
     const std::string_view type = in_.word();
-    Cursor rest(in_.name(), in_.line());
+    Cursor rest = in_.rest_of_line();
     const std::size_t n_components = rest.at_end() ? 1 : rest.number<std::size_t>("the number of components");
     if (in_.peek_word() == "LOOKUP_TABLE") in_.word(), in_.line();
     read_array(name, type, n_components, *n_rows_);

@@ -8,6 +8,16 @@ namespace framehex {
 
 namespace detail {
 
+/// The vertex that a word `v`, `v/t`, `v//n` or `v/t/n` means: numbers count from 1, negative ones from the last point backwards.
+inline std::int64_t obj_vertex(const Cursor& in, std::string_view word, std::size_t n_points) {
+  const std::string_view digits = word.substr(0, word.find('/'));
+  std::int64_t v = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  if (digits.empty() || end != digits.data() + digits.size() || error != std::errc{} || v == 0)
+    in.fail("a vertex should stand where \"" + Cursor::printable(word) + "\" does");
+  return v > 0 ? v - 1 : static_cast<std::int64_t>(n_points) + v;
+}
+
 class ObjReader {
 public:
   ObjReader(const std::string& name, std::string_view bytes) : in_(name, bytes), builder_(name) {}
@@ -42,17 +52,17 @@ private:
     patch_ = no_index;
   }
 
-  /// Corners `v`, `v/t`, `v//n` or `v/t/n` up to the end of the line, which a backslash continues. Numbers count from 1,
-  /// negative ones from the last point backwards.
+  /// Corners up to the end of the line, which a backslash continues.
   void read_polygon() {
     corners_.clear();
-    for (std::string_view text = in_.line();;) {
-      const bool goes_on = text.ends_with('\\');
-      if (goes_on) text.remove_suffix(1);
-      Cursor line(in_.name(), text);
-      while (!line.at_end()) corners_.push_back(corner(line.word()));
-      if (!goes_on) break;
-      text = in_.line();
+    for (bool goes_on = true; goes_on;) {
+      goes_on = false;
+      for (Cursor line = in_.rest_of_line(); !line.at_end();) {
+        std::string_view word = line.word();
+        goes_on = word.ends_with('\\');
+        if (goes_on) word.remove_suffix(1);
+        if (!word.empty()) corners_.push_back(obj_vertex(line, word, builder_.n_points()));
+      }
     }
     if (patch_ == no_index) patch_ = builder_.patch(patch_name());
     builder_.add_polygon(corners_, patch_);
@@ -61,15 +71,6 @@ private:
   std::string patch_name() const {
     if (group_.empty() && material_.empty()) return "default";
     return group_.empty() || material_.empty() ? group_ + material_ : group_ + ":" + material_;
-  }
-
-  std::int64_t corner(std::string_view word) const {
-    const std::string_view digits = word.substr(0, word.find('/'));
-    std::int64_t v = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
-    if (digits.empty() || end != digits.data() + digits.size() || error != std::errc{} || v == 0)
-      in_.fail("a vertex should stand where \"" + Cursor::printable(word) + "\" does");
-    return v > 0 ? v - 1 : static_cast<std::int64_t>(builder_.n_points()) + v;
   }
 
   Cursor in_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/io/input_file.hpp"
+#include "framehex/io/obj_reader.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/mesh/validation.hpp"
 #include "framehex/surface/planar_outline.hpp"
@@ -142,19 +143,16 @@ inline PlanarOutline read_obj_outline(const std::string& name, std::string_view 
     const std::string_view keyword = in.word();
     if (keyword == "v") {
       const auto x = in.number<double>("a coordinate"), y = in.number<double>("a coordinate");
-      Cursor rest(name, in.line());
+      Cursor rest = in.rest_of_line();
       points.emplace_back(x, y, rest.at_end() ? 0.0 : rest.number<double>("a coordinate"));
       continue;
     } else if (keyword == "l") {
       line.clear();
-      Cursor corners(name, in.line());
-      while (!corners.at_end()) {
+      for (Cursor corners = in.rest_of_line(); !corners.at_end();) {
         const std::string_view word = corners.word();
-        Cursor number(name, word.substr(0, word.find('/')));
-        const auto given = number.number<std::int64_t>("the number of a point");
-        const auto n = static_cast<std::int64_t>(points.size());
-        const std::int64_t at = given < 0 ? n + given : given - 1;
-        if (at < 0 || at >= n) in.fail("there is no point " + std::to_string(given));
+        const std::int64_t at = obj_vertex(corners, word, points.size());
+        if (at < 0 || at >= static_cast<std::int64_t>(points.size()))
+          corners.fail("there is no point " + std::string(word));
         const auto& p = points[static_cast<std::size_t>(at)];
         line.push_back(builder.vertex(p.x(), p.y(), p.z()));
       }

@@ -40,6 +40,9 @@ public:
     const std::vector<std::size_t> owners = polylines_of(a, b);
     std::string text = segment(a, b) + " occurs twice";
     if (owners.size() < 2) return text;
+    if (owners[0] == owners[1] && outline_.polyline(owners[0]).size() == 3)
+      return polyline(owners[0]) + " goes to and fro between vertices " + std::to_string(a) + " and " +
+             std::to_string(b) + ": it encloses nothing";
     text += ", again in " + polyline(owners[1]);
     if (owners[1] < outline_.loops.size())
       text +=
