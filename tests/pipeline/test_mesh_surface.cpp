@@ -4,6 +4,7 @@
 #include "framehex/pipeline/mesh_surface.hpp"
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/regions.hpp"
 #include "framehex/surface/self_intersection.hpp"
 #include "framehex/surface/surface_locator.hpp"
 #include "framehex/tetrahedralization/background.hpp"
@@ -555,5 +556,13 @@ TEST_CASE("a surface that crosses itself is refused before anything is made of i
     REQUIRE(e.indices().size() == 2);
     CHECK(e.indices()[0] < 12);
     CHECK(e.indices()[1] >= 12);
+  }
+  IndexedTriangleMesh doubled = one;
+  doubled.triangles.push_back(one.triangles[7]);
+  try {
+    mesh_surface(doubled, Constant{0.4}, never);
+    FAIL();
+  } catch (const invalid_surface& e) {
+    CHECK(e.indices() == std::vector<std::size_t>{7, 12});
   }
 }

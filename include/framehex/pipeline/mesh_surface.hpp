@@ -6,7 +6,7 @@
 #include "framehex/pipeline/detail/used_points.hpp"
 #include "framehex/pipeline/meshing_options.hpp"
 #include "framehex/pipeline/meshing_result.hpp"
-#include "framehex/surface/regions.hpp"
+#include "framehex/surface/surface.hpp"
 #include "framehex/tetrahedralization/tetrahedralizer.hpp"
 
 namespace framehex {
@@ -16,9 +16,8 @@ namespace detail {
 /// `mesh_surface` once the surface is the library's own.
 ///
 /// @param input  with its features; its patches bound `regions`.
-MeshingResult mesh_regions(Surface input, SurfaceRegions regions, const SizeFieldRef& size,
-                           const TetrahedralizerRef& tetrahedralizer, MeshingOptions options,
-                           const ExecutorRef& executor);
+MeshingResult mesh_valid_surface(Surface input, const SizeFieldRef& size, const TetrahedralizerRef& tetrahedralizer,
+                                 MeshingOptions options, const ExecutorRef& executor);
 
 }  // namespace detail
 
@@ -33,7 +32,7 @@ MeshingResult mesh_regions(Surface input, SurfaceRegions regions, const SizeFiel
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
 /// @return the mesh with labels (regions when there are several; patches: those of `options.features.patches`, else of
 ///         `detect_features`; feature curves), frames, statistics and seconds of each stage.
-/// @throws what `validate_surface`, `find_regions`, `refuse_self_intersection`, `tetrahedralize` and the stages throw; nothing is left behind.
+/// @throws what `validate_surface`, `refuse_self_intersection`, `find_regions`, `tetrahedralize` and the stages throw; nothing is left behind.
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 /// @par Source       The paper, section 1, and the stages' own. Departs: regions.
@@ -45,9 +44,7 @@ MeshingResult mesh_surface(const M& surface, const Size& size, const T& tetrahed
   Surface input(surface, options.features);
   MeshingOptions numbered = options;
   detail::leave_out_unused_points(input, numbered.features);
-  SurfaceRegions regions = find_regions(input);
-  return detail::mesh_regions(std::move(input), std::move(regions), size, tetrahedralizer, std::move(numbered),
-                              executor);
+  return detail::mesh_valid_surface(std::move(input), size, tetrahedralizer, std::move(numbered), executor);
 }
 
 }  // namespace framehex

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/errors.hpp"
 #include "framehex/geometry/predicates.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/observer.hpp"

@@ -16,6 +16,7 @@
 #include "framehex/surface/boundary_slider.hpp"
 #include "framehex/surface/input_wedges.hpp"
 #include "framehex/surface/refinement.hpp"
+#include "framehex/surface/regions.hpp"
 #include "framehex/surface/self_intersection.hpp"
 #include "framehex/surface/surface_locator.hpp"
 #include "framehex/tetrahedralization/background.hpp"
@@ -44,12 +45,12 @@ public:
       *observer = o.observer;
   }
 
-  /// @param input  with its features; its patches bound `regions`.
-  MeshingResult run(Surface input, SurfaceRegions regions) {
+  /// @param input  with its features.
+  MeshingResult run(Surface input) {
     input_ = std::move(input);
-    regions_ = std::move(regions);
-    // Its own samples would cross at any size.
+    // Else its samples would cross at any size, and no side of a triangle would be a region's.
     if (!refuse_self_intersection(input_, options_.observer)) return cancelled<MeshingResult>();
+    regions_ = find_regions(input_);
     locator_ = SurfaceLocator(input_);
     check_sizes();
     if (!refine_surface() || !make_field()) return cancelled<MeshingResult>();
@@ -466,10 +467,10 @@ private:
   std::vector<index_t> tet_regions_;
 };
 
-FRAMEHEX_INLINE MeshingResult mesh_regions(Surface input, SurfaceRegions regions, const SizeFieldRef& size,
-                                           const TetrahedralizerRef& tetrahedralizer, MeshingOptions options,
-                                           const ExecutorRef& executor) {
-  return SurfaceMesher(tetrahedralizer, size, std::move(options), executor).run(std::move(input), std::move(regions));
+FRAMEHEX_INLINE MeshingResult mesh_valid_surface(Surface input, const SizeFieldRef& size,
+                                                 const TetrahedralizerRef& tetrahedralizer, MeshingOptions options,
+                                                 const ExecutorRef& executor) {
+  return SurfaceMesher(tetrahedralizer, size, std::move(options), executor).run(std::move(input));
 }
 
 }  // namespace framehex::detail
