@@ -49,8 +49,8 @@ private:
   vtkUnsignedCharArray* types_;
 };
 
-/// Simplices of a data set, their corners copied: what `vtkCellArray` hands out is overwritten at the next question
-/// when it holds 32 bits, whichever thread asks.
+/// Triangles or tetrahedra of a data set, their corners copied: what `vtkCellArray` hands out is overwritten at the next
+/// question when it holds 32 bits, whichever thread asks.
 template <class Data, std::size_t Corners>
 class VtkSimplices {
 public:
