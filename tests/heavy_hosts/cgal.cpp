@@ -103,6 +103,26 @@ TEST_CASE("Surface_mesh is a surface, without gaps in its numbers") {
   CHECK_NOTHROW(validate_closed(mesh));
 }
 
+TEST_CASE("a face of Surface_mesh that is no triangle is refused by its number, not cut to its first corners") {
+  // Cut, each quadrilateral of this pillow would be a triangle of a closed surface.
+  SurfaceMesh mesh;
+  std::vector<SurfaceMesh::Vertex_index> v;
+  for (const auto& p : {Kernel::Point_3(0, 0, 0), Kernel::Point_3(1, 0, 0), Kernel::Point_3(0, 1, 0),
+                        Kernel::Point_3(0, 0, 1), Kernel::Point_3(0.5, 0.5, 0)})
+    v.push_back(mesh.add_vertex(p));
+  mesh.add_face(v[0], v[1], v[3]);
+  mesh.add_face(v[0], v[2], v[4], v[1]);
+  mesh.add_face(v[0], v[3], v[2]);
+  mesh.add_face(v[1], v[4], v[2], v[3]);
+  try {
+    validate_closed(mesh);
+    FAIL();
+  } catch (const invalid_connectivity& e) {
+    CHECK(e.what() == std::string("face 1 is no triangle"));
+    CHECK(e.indices() == std::vector<std::size_t>{1});
+  }
+}
+
 TEST_CASE("CGAL's Delaunay tetrahedra fill surfaces whose triangles are facets of theirs, bent and hollow ones too") {
   IndexedTriangleMesh shell = test::sphere_surface(1, 2);
   const IndexedTriangleMesh hollow = test::sphere_surface(0.6, 2);

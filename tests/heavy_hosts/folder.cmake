@@ -25,3 +25,12 @@ foreach(host IN ITEMS eigen_matrices tetgen openmesh vtk cgal gmsh netgen tbb)
                    ${CMAKE_CURRENT_BINARY_DIR}/consumers/prefix ${CMAKE_CXX_COMPILER})
   set_tests_properties("heavy_hosts: the page of ${host}, followed" PROPERTIES FIXTURES_REQUIRED installed TIMEOUT 900)
 endforeach()
+
+# As one who has no CMake.
+get_target_property(eigen_directories Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+list(TRANSFORM eigen_directories PREPEND "-isystem;")
+foreach(host IN ITEMS eigen_matrices tetgen openmesh vtk cgal gmsh netgen tbb)
+  add_test(NAME "heavy_hosts: the flags of ${host}, without CMake"
+           COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_flags.py ${host} ${CMAKE_CXX_COMPILER} ${eigen_directories})
+  set_tests_properties("heavy_hosts: the flags of ${host}, without CMake" PROPERTIES TIMEOUT 900)
+endforeach()

@@ -123,3 +123,13 @@ TEST_CASE("solid elements that are no tetrahedra are refused with their tag") {
   output.finish();
   CHECK_THROWS_AS(read_gmsh_model(), invalid_connectivity);
 }
+
+TEST_CASE("labels and groups without a tag in Gmsh are refused") {
+  GmshOutput output("labels");
+  const std::vector<std::size_t> corners{1, 2, 3, 4};
+  CHECK_NOTHROW(output.add_cell(CellKind::tetrahedron, corners, 2147483646u));
+  CHECK_THROWS_AS(output.add_cell(CellKind::tetrahedron, corners, 2147483647u), io_error);
+  CHECK_THROWS_AS(output.add_face(std::span(corners).first(3), 4000000000u), io_error);
+  CHECK_THROWS_AS(output.add_edge(std::span(corners).first<2>(), 2147483647u), io_error);
+  CHECK_THROWS_AS(output.add_group({3, 2147483647u, "steel", {}}), io_error);
+}

@@ -92,3 +92,50 @@ TEST_CASE("Eigen matrices of other shapes are refused") {
   out << 0, 1, 2, -1;
   CHECK_THROWS_AS(validate(EigenTets(space, out)), invalid_connectivity);
 }
+
+TEST_CASE("Eigen indices narrower than the number of rows, and negative ones, are named as they are") {
+  const auto refusal = [](const auto& v, const auto& t) -> std::string {
+    try {
+      validate(EigenTets(v, t));
+    } catch (const invalid_connectivity& e) {
+      CHECK(e.indices() == std::vector<std::size_t>{0});
+      return e.what();
+    }
+    return {};
+  };
+  // The tetrahedron stands on the first four of more points than its type counts.
+  for (const Eigen::Index n : {200, 256, 300}) {
+    Eigen::MatrixXd v = Eigen::MatrixXd::Zero(n, 3);
+    v.row(1) << 1, 0, 0;
+    v.row(2) << 0, 1, 0;
+    v.row(3) << 0, 0, 1;
+    Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 4> bytes(1, 4);
+    Eigen::Matrix<std::int8_t, Eigen::Dynamic, 4> signed_bytes(1, 4);
+    bytes << 0, 1, 2, 3;
+    signed_bytes << 0, 1, 2, 3;
+    CHECK(positions(EigenTets(v, bytes)).size() == static_cast<std::size_t>(n));
+    CHECK(refusal(v, bytes).empty());
+    CHECK(refusal(v, signed_bytes).empty());
+    signed_bytes(0, 2) = -7;
+    CHECK(refusal(v, signed_bytes) == "cell 0 refers to vertex -7 of " + std::to_string(n));
+  }
+}
+
+TEST_CASE("views of temporary matrices do not compile") {
+  using V = Eigen::MatrixXd;
+  using T = Eigen::MatrixXi;
+  CHECK(std::is_constructible_v<EigenTets<V, T>, V&, const T&>);
+  CHECK_FALSE(std::is_constructible_v<EigenTets<V, T>, V, T&>);
+  CHECK_FALSE(std::is_constructible_v<EigenTets<V, T>, V&, T>);
+  CHECK_FALSE(std::is_constructible_v<EigenTriangles<V, T>, V, T>);
+  using Scaled = decltype(std::declval<V&>() * 2.0);
+  CHECK_FALSE(std::is_constructible_v<EigenTets<Scaled, T>, Scaled, T&>);
+}
+
+TEST_CASE("labels that Eigen's integers do not hold are refused") {
+  EigenOutput output;
+  const std::array<int, 4> corners{0, 1, 2, 3};
+  output.add_cell(CellKind::tetrahedron, corners, 2147483647u);
+  CHECK(output.regions(CellKind::tetrahedron)[0] == 2147483647);
+  CHECK_THROWS_AS(output.add_cell(CellKind::tetrahedron, corners, 2147483648u), io_error);
+}

@@ -110,3 +110,19 @@ TEST_CASE("TetGen within the process fills a surface, and refuses one that cross
     CHECK(e.indices()[1] >= 12);
   }
 }
+
+TEST_CASE("TetGen within the process leaves cavities empty") {
+  IndexedTriangleMesh hollow{cube_points, cube_triangles};
+  for (const Vector3& corner : {Vector3(0.1, 0.2, 0.3), Vector3(0.6, 0.6, 0.6)}) {
+    const auto first = static_cast<index_t>(hollow.points.size());
+    for (const Vector3& p : cube_points) hollow.points.push_back(corner + 0.25 * p);
+    for (const auto& t : cube_triangles) hollow.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  }
+  const auto filled = tetrahedralize(TetgenLibrary{}, hollow, std::span<const Vector3>{});
+  double volume = 0;
+  for (const auto& t : filled.mesh.tets) {
+    const auto& p = filled.mesh.points;
+    volume += (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]) / 6;
+  }
+  CHECK(volume == Approx(1 - 2 * 0.25 * 0.25 * 0.25));
+}

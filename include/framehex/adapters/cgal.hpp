@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/adapters/detail/boundary_faces.hpp"
+#include "framehex/errors.hpp"
 #include "framehex/mesh/concepts.hpp"
 
 #include <CGAL/Surface_mesh.h>
@@ -124,7 +125,7 @@ template <class C>
 struct mesh_traits<CgalComplex<C>> : detail::cgal_traits<CgalComplex<C>> {};
 
 /// Removed vertices that are not yet collected leave gaps in the numbers, which `validate_surface` refuses: call
-/// `mesh.collect_garbage()` before.
+/// `mesh.collect_garbage()` before. Faces of more than three corners are refused with their number in CGAL.
 template <class Point>
 struct mesh_traits<CGAL::Surface_mesh<Point>> {
   using Mesh = CGAL::Surface_mesh<Point>;
@@ -141,6 +142,8 @@ struct mesh_traits<CGAL::Surface_mesh<Point>> {
   }
   static std::array<vertex_type, 3> cell_vertices(const Mesh& mesh, cell_type f) {
     const auto h = mesh.halfedge(f);
+    if (mesh.next(mesh.next(mesh.next(h))) != h)
+      throw invalid_connectivity("face " + std::to_string(f.idx()) + " is no triangle", Entity::triangle, {f.idx()});
     return {mesh.source(h), mesh.target(h), mesh.target(mesh.next(h))};
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/errors.hpp"
+#include "framehex/io/label_limit.hpp"
 #include "framehex/mesh/concepts.hpp"
 #include "framehex/mesh/mixed_output.hpp"
 
@@ -25,34 +26,36 @@ struct EigenView {
       throw invalid_connectivity("matrices of " + std::to_string(v.cols()) + " and " + std::to_string(c.cols()) +
                                  " columns, not 3 and " + std::to_string(Corners));
   }
+  // A temporary, `V * 2.0` say, would be gone before the view is read.
+  EigenView(const V&&, const C&) = delete;
+  EigenView(const V&, const C&&) = delete;
+  EigenView(const V&&, const C&&) = delete;
 };
 
 template <class V, class C, std::size_t Corners>
 struct eigen_traits {
   using View = EigenView<V, C, Corners>;
-  using vertex_type = typename C::Scalar;
+  using vertex_type = Eigen::Index;  // there may be more rows than C's scalar can count
   using cell_type = Eigen::Index;
   using scalar_type = typename V::Scalar;
 
-  static auto vertices(const View& mesh) {
-    return std::views::iota(vertex_type{0}, static_cast<vertex_type>(mesh.points.rows()));
-  }
+  static auto vertices(const View& mesh) { return std::views::iota(vertex_type{0}, mesh.points.rows()); }
   static auto cells(const View& mesh) { return std::views::iota(cell_type{0}, mesh.cells.rows()); }
   static std::size_t index(const View&, vertex_type v) { return static_cast<std::size_t>(v); }
   static std::array<scalar_type, 3> point(const View& mesh, vertex_type v) {
-    const auto row = static_cast<Eigen::Index>(v);
-    return {mesh.points(row, 0), mesh.points(row, 1), mesh.points(row, 2)};
+    return {mesh.points(v, 0), mesh.points(v, 1), mesh.points(v, 2)};
   }
   static std::array<vertex_type, Corners> cell_vertices(const View& mesh, cell_type c) {
     std::array<vertex_type, Corners> corners;
-    for (std::size_t i = 0; i < Corners; ++i) corners[i] = mesh.cells(c, static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < Corners; ++i)
+      corners[i] = static_cast<vertex_type>(mesh.cells(c, static_cast<Eigen::Index>(i)));
     return corners;
   }
 };
 
 }  // namespace detail
 
-/// V and T as a TetMesh: `recombine(EigenTets(V, T))`. Both must outlive it.
+/// V and T as a TetMesh: `recombine(EigenTets(V, T))`. Both must outlive it; temporaries do not compile.
 template <class V, class T>
 struct EigenTets : detail::EigenView<V, T, 4> {
   using detail::EigenView<V, T, 4>::EigenView;
@@ -61,7 +64,7 @@ struct EigenTets : detail::EigenView<V, T, 4> {
 template <class V, class T>
 EigenTets(const V&, const T&) -> EigenTets<V, T>;
 
-/// V and F as a TriangleMesh. Both must outlive it.
+/// V and F as a TriangleMesh. Both must outlive it; temporaries do not compile.
 template <class V, class F>
 struct EigenTriangles : detail::EigenView<V, F, 3> {
   using detail::EigenView<V, F, 3>::EigenView;
@@ -92,7 +95,9 @@ public:
     points_.insert(points_.end(), p.begin(), p.end());
     return static_cast<int>(points_.size() / 3) - 1;
   }
+  /// @throws io_error  when the label is beyond the greatest `int`.
   void add_cell(CellKind kind, std::span<const int> corners, index_t region) {
+    detail::check_label_fits("Eigen", region, detail::greatest_int_label);
     Block& block = blocks_[static_cast<std::size_t>(kind)];
     block.corners.insert(block.corners.end(), corners.begin(), corners.end());
     block.regions.push_back(static_cast<int>(region));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/errors.hpp"
+#include "framehex/io/label_limit.hpp"
 #include "framehex/mesh/indexed_mesh.hpp"
 #include "framehex/mesh/mixed_output.hpp"
 
@@ -133,6 +134,7 @@ inline GmshTets read_gmsh_model() {
 /// Writes a mixed mesh into a new model of Gmsh, which becomes the current one when `finish` is called.
 ///
 /// Each label makes a discrete entity, each group a physical group. Nodes stand on the last volume, in their order.
+/// What is added throws io_error for labels and groups beyond 2^31 - 2, since tags are counted from 1 as `int`.
 class GmshOutput {
 public:
   using vertex_type = std::size_t;  ///< Gmsh's tag of the node
@@ -150,7 +152,10 @@ public:
     add(2, label, corners.size() == 3 ? 2 : 3, corners);
   }
   void add_edge(std::span<const std::size_t, 2> ends, index_t label) { add(1, label, 1, ends); }
-  void add_group(const LabelGroup& group) { groups_.push_back(group); }
+  void add_group(const LabelGroup& group) {
+    detail::check_label_fits("Gmsh", group.number);
+    groups_.push_back(group);
+  }
 
   /// @throws what Gmsh throws.
   void finish() const {
@@ -181,6 +186,7 @@ public:
 
 private:
   void add(int dimension, index_t label, int type, std::span<const std::size_t> corners) {
+    detail::check_label_fits("Gmsh", label);
     auto& nodes = blocks_[{dimension, static_cast<int>(label) + 1, type}];
     nodes.insert(nodes.end(), corners.begin(), corners.end());
   }
@@ -188,6 +194,7 @@ private:
   void write_group(const LabelGroup& group) const {
     std::vector<int> entities;
     for (const index_t label : group.labels) {
+      if (label > detail::greatest_label) continue;  // nothing has it
       const int tag = static_cast<int>(label) + 1;
       const auto at = blocks_.lower_bound({group.dimension, tag, 0});
       if (at != blocks_.end() && at->first[0] == group.dimension && at->first[1] == tag) entities.push_back(tag);

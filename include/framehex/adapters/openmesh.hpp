@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framehex/adapters/detail/boundary_faces.hpp"
+#include "framehex/errors.hpp"
 #include "framehex/mesh/concepts.hpp"
 
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
@@ -16,7 +17,7 @@ concept OpenMeshTriangles = std::derived_from<M, OpenMesh::TriConnectivity> && r
   typename M::Point;
 };
 
-/// Deleted vertices that are not yet collected leave gaps in the numbers, which `validate_surface` refuses: call
+/// Deleted vertices that are not yet collected leave gaps in the numbers, which are refused with the first of them: call
 /// `mesh.garbage_collection()` before.
 template <OpenMeshTriangles M>
 struct mesh_traits<M> {
@@ -24,7 +25,10 @@ struct mesh_traits<M> {
   using cell_type = OpenMesh::FaceHandle;
   using scalar_type = typename M::Scalar;
 
-  static auto vertices(const M& mesh) { return living<vertex_type>(mesh, mesh.n_vertices(), mesh.has_vertex_status()); }
+  static auto vertices(const M& mesh) {
+    refuse_gaps(mesh);
+    return living<vertex_type>(mesh, mesh.n_vertices(), mesh.has_vertex_status());
+  }
   static auto cells(const M& mesh) { return living<cell_type>(mesh, mesh.n_faces(), mesh.has_face_status()); }
   static std::size_t index(const M&, vertex_type v) { return static_cast<std::size_t>(v.idx()); }
   static std::array<scalar_type, 3> point(const M& mesh, vertex_type v) {
@@ -37,6 +41,18 @@ struct mesh_traits<M> {
   }
 
 private:
+  static void refuse_gaps(const M& mesh) {
+    if (!mesh.has_vertex_status()) return;
+    const int n = static_cast<int>(mesh.n_vertices());
+    int first = 0;
+    while (first < n && !mesh.status(vertex_type(first)).deleted()) ++first;
+    for (int v = first; v < n; ++v)
+      if (!mesh.status(vertex_type(v)).deleted())
+        throw invalid_connectivity("vertex " + std::to_string(first) +
+                                       " is deleted and leaves a gap in the numbers: call garbage_collection() before",
+                                   Entity::vertex, {static_cast<std::size_t>(first)});
+  }
+
   template <class Handle>
   static auto living(const M& mesh, std::size_t n, bool has_status) {
     return std::views::iota(0, static_cast<int>(n)) |

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/adapters/detail/points_in_cavities.hpp"
 #include "framehex/mesh/concepts.hpp"
 #include "framehex/mesh/mixed_mesh.hpp"
 #include "framehex/surface/self_intersection.hpp"
@@ -82,7 +83,7 @@ inline std::vector<LabelledEdge> tetgen_edges(const tetgenio& mesh) {
 
 namespace detail {
 
-/// A surface and points as TetGen's input. What `tetgenio` frees is allocated as it frees it.
+/// A surface, points and where its cavities are as TetGen's input. What `tetgenio` frees is allocated as it frees it.
 inline void fill_tetgen_input(const TetrahedralizationRequest& request, tetgenio& in) {
   in.numberofpoints = static_cast<int>(request.points.size());
   in.pointlist = new double[3 * request.points.size()];
@@ -100,6 +101,10 @@ inline void fill_tetgen_input(const TetrahedralizationRequest& request, tetgenio
     polygon.numberofvertices = 3;
     for (std::size_t i = 0; i < 3; ++i) polygon.vertexlist[i] = static_cast<int>(triangle[i]);
   }
+  const std::vector<Vector3> holes = points_in_cavities(request.points, request.triangles);
+  in.numberofholes = static_cast<int>(holes.size());
+  in.holelist = new double[3 * holes.size()];
+  for (std::size_t h = 0; h < holes.size(); ++h) std::copy_n(holes[h].data(), 3, in.holelist + 3 * h);
 }
 
 }  // namespace detail

@@ -80,10 +80,10 @@ std::vector<std::array<index_t, Corners>> checked_connectivity(const M& mesh, st
     auto& row = cells.emplace_back();
     for (std::size_t i = 0; i < Corners; ++i) {
       const std::size_t v = mesh_traits<M>::index(mesh, corners[i]);
-      if (v >= n)
-        throw invalid_connectivity(
-            name + std::to_string(cell) + " refers to vertex " + std::to_string(v) + " of " + std::to_string(n), entity,
-            {cell});
+      if (v >= n)  // a negative number of the host's is printed as it is
+        throw invalid_connectivity(name + std::to_string(cell) + " refers to vertex " +
+                                       std::to_string(static_cast<std::ptrdiff_t>(v)) + " of " + std::to_string(n),
+                                   entity, {cell});
       row[i] = static_cast<index_t>(v);
       if (std::find(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(i), row[i]) !=
           row.begin() + static_cast<std::ptrdiff_t>(i))

@@ -2,6 +2,8 @@
 #include <atomic>
 
 extern const framehex::IndexedTriangleMesh surface;
+extern const framehex::IndexedTetMesh mesh;
+extern std::vector<double> lengths;
 struct Window {
   void show(std::string_view, double);
   bool cancelled();
