@@ -120,7 +120,7 @@ TEST_CASE("index() must count the vertices in their order, in full", "[regressio
 TEST_CASE("a handle of a cell that is no vertex is refused with the number it has") {
   auto host = numbered(test::kuhn_lattice(2));
   host.cells[7][2] = -1;
-  CHECK_THROWS_WITH(validate(host), Contains("cell 7") && Contains("18446744073709551615"));
+  CHECK_THROWS_WITH(validate(host), Contains("cell 7") && Contains("vertex -1 of 27"));
 }
 
 TEST_CASE("more vertices, cells or half edges than 32 bits count are refused before they are looked at",
