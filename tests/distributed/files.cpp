@@ -330,3 +330,24 @@ TEST_CASE("where a rank cannot write, no file is left") {
   transport.agree();
   CHECK(folder.n_files() == 1);
 }
+
+TEST_CASE("an older index goes before pieces take their names", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const int n = transport.n_ranks(), rank = transport.rank();
+  if (n == 1) return;
+  const IndexedTetMesh mesh = test::kuhn_lattice(1);
+  const std::vector<int> ranks(mesh.tets.size(), 0);  // the others have no piece, and remove an older one
+  const IndexedPart part = test::part_of(mesh, ranks, rank);
+  const Whole whole(part, mesh, ranks, rank);
+  const MixedPart written{whole.mesh, part.vertex_ids, part.cell_ids, part.owners, whole.shared};
+  write_pvtu(folder / "mesh.pvtu", transport, written);
+  if (rank == 0) {
+    CHECK(std::filesystem::exists(folder / "mesh.pvtu"));
+    std::filesystem::create_directories(folder / "mesh_1.vtu" / "what cannot be removed");
+  }
+  transport.agree();
+  CHECK_THROWS_AS(write_pvtu(folder / "mesh.pvtu", transport, written), remote_error);
+  transport.agree();
+  CHECK_FALSE(std::filesystem::exists(folder / "mesh.pvtu"));
+}

@@ -172,7 +172,8 @@ inline DataArray padded(DataArray array, std::size_t n_rows) {
 ///
 /// Pieces have a layer of ghost cells, marked in `vtkGhostType` (cells and points), and the arrays GlobalPointIds and
 /// GlobalCellIds. All files appear or none: each is written without a name to the last byte, and takes its own when all
-/// ranks have come so far (`OutputFile`); NAME.pvtu, without which the pieces are none, comes last.
+/// ranks have come so far (`OutputFile`); NAME.pvtu, without which the pieces are none, comes last, and an older one goes
+/// before the first piece takes its name.
 ///
 /// @param data  arrays by cell and point of this rank's part; ghosts have NaN (integers: 0) in them.
 /// @throws remote_error  naming file and rank when one of them cannot be written; no file of the new mesh is left then.
@@ -203,6 +204,9 @@ inline void write_pvtu(const std::filesystem::path& path, const MpiTransport& tr
         index->write(detail::pvtu_text(path.stem().string(), ranks, all));
         index->finish();
       }
+      transport.agree();
+      // An older mesh's index must not name a mixture of old pieces and new ones, whatever happens from here on.
+      if (index) std::filesystem::remove(path);
       transport.agree();
       if (file) {
         file->commit();
