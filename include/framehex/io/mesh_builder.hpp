@@ -87,6 +87,19 @@ void add_vtk_cell(Builder& builder, const std::string& name, std::int64_t type, 
                  Entity::cell, {number});
 }
 
+/// Of a cell with a vertex that the file has not.
+[[noreturn]] inline void throw_missing_vertex(const std::string& name, std::size_t cell, std::int64_t vertex,
+                                              std::size_t n_points) {
+  throw invalid_connectivity(name + ": cell " + std::to_string(cell) + " refers to vertex " + std::to_string(vertex) +
+                                 " of " + std::to_string(n_points),
+                             Entity::cell, {cell});
+}
+
+[[noreturn]] inline void throw_not_finite(const std::string& name, std::size_t vertex) {
+  throw invalid_coordinate(name + ": vertex " + std::to_string(vertex) + " has a coordinate that is not finite",
+                           Entity::vertex, {vertex});
+}
+
 /// Gathers what a reader finds, and checks it: indices in range, coordinates finite.
 class MeshBuilder {
 public:
@@ -107,7 +120,7 @@ public:
     std::array<index_t, 8> row{no_index, no_index, no_index, no_index, no_index, no_index, no_index, no_index};
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (corners[i] < 0 || corners[i] >= std::int64_t{no_index})
-        throw invalid_connectivity(out_of_range(number, corners[i]), Entity::cell, {number});
+        throw_missing_vertex(name_, number, corners[i], mesh_.points.size());
       row[i] = static_cast<index_t>(corners[i]);
     }
     if (dimension == 1) mesh_.edges.push_back({{row[0], row[1]}, 0});
@@ -133,11 +146,9 @@ public:
   /// @throws invalid_connectivity, invalid_coordinate, io_error when there is no volume cell though one is required.
   MixedMesh finish(Volume volume) {
     if (greatest_ >= static_cast<std::int64_t>(mesh_.points.size()))
-      throw invalid_connectivity(out_of_range(greatest_user_, greatest_), Entity::cell, {greatest_user_});
+      throw_missing_vertex(name_, greatest_user_, greatest_, mesh_.points.size());
     for (std::size_t v = 0; v < mesh_.points.size(); ++v)
-      if (!mesh_.points[v].allFinite())
-        throw invalid_coordinate(name_ + ": vertex " + std::to_string(v) + " has a coordinate that is not finite",
-                                 Entity::vertex, {v});
+      if (!mesh_.points[v].allFinite()) throw_not_finite(name_, v);
     if (mesh_.n_cells() == 0 && volume == Volume::required)
       throw io_error(name_ + ": holds no tetrahedron, pyramid, prism or hexahedron");
     turn_prisms();
@@ -146,11 +157,6 @@ public:
   }
 
 private:
-  std::string out_of_range(std::size_t number, std::int64_t vertex) const {
-    return name_ + ": cell " + std::to_string(number) + " refers to vertex " + std::to_string(vertex) + " of " +
-           std::to_string(mesh_.points.size());
-  }
-
   /// VTK's manual and the programs that write its files disagree about prisms: if all of them together are inside out,
   /// the file follows the other convention.
   void turn_prisms() {

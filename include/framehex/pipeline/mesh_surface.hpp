@@ -15,7 +15,7 @@ namespace detail {
 
 /// `mesh_surface` once the surface is the library's own.
 ///
-/// @param input  with its features; its patches bound `regions`.
+/// @param input  with its features; its patches bound the regions.
 MeshingResult mesh_valid_surface(Surface input, const SizeFieldRef& size, const TetrahedralizerRef& tetrahedralizer,
                                  MeshingOptions options, const ExecutorRef& executor);
 
@@ -32,7 +32,8 @@ MeshingResult mesh_valid_surface(Surface input, const SizeFieldRef& size, const 
 /// @param tetrahedralizer  fills surfaces with tetrahedra, e.g. `TetgenProcess`; its answers are checked.
 /// @return the mesh with labels (regions when there are several; patches: those of `options.features.patches`, else of
 ///         `detect_features`; feature curves), frames, statistics and seconds of each stage.
-/// @throws what `validate_surface`, `refuse_self_intersection`, `find_regions`, `tetrahedralize` and the stages throw; nothing is left behind.
+/// @throws what `validate_surface`, `refuse_self_intersection`, `find_regions`, `tetrahedralize` and the stages throw;
+///         nothing is left behind.
 /// @par Complexity   about O(n log n) in the number of points, but for the selection, which has its budget.
 /// @par Determinism  The same for any executor, unless the selection is stopped by its time budget.
 /// @par Source       The paper, section 1, and the stages' own. Departs: regions.

@@ -69,12 +69,12 @@ inline std::vector<std::array<index_t, 2>> vertex_pairs(std::span<const Labelled
 /// (unless `assembly.boundary_projection` lets them slide); inside, improvement moves, removes and adds some, unless
 /// `assembly.improvement` is `none`.
 ///
-/// @param mesh     n tetrahedra; validated first.
-/// @param options  quality floor, selection, interfaces, labels of facets and edges of the mesh.
 /// The mesh is checked before it is handed out: it conforms (but for the quadrilaterals listed in mode `open`), every cell is
 /// valid by the exact test, and each face of the boundary is a triangle of the host's, or two. Two that bend become a bilinear
 /// patch through their four corners, and the volume changes by what lies between: label edges that must stay.
 ///
+/// @param mesh     n tetrahedra; validated first.
+/// @param options  quality floor, selection, interfaces, labels of facets and edges of the mesh.
 /// @return the mixed mesh, and which cells and vertices of the host its own are. When cancelled the mesh is empty and
 ///         `status` says so.
 /// @throws what `validate` throws, before any work; `invalid_option` for a number outside its range, labels of regions of

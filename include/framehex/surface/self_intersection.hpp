@@ -213,7 +213,7 @@ std::vector<std::array<index_t, 2>> find_self_intersections(const M& mesh,
 ///
 /// @param mesh  as for `find_self_intersections`.
 /// @return false when cancelled.
-/// @throws invalid_surface  naming two triangles, and where they meet.
+/// @throws invalid_surface  naming two triangles, and a corner of one of them.
 /// @par Complexity   O(n log n) for triangles that are not all in one place.
 template <TriangleMesh M>
 bool refuse_self_intersection(const M& mesh, const Observer& observer = {}) {

@@ -64,9 +64,7 @@ public:
   void add_point(double x, double y, double z) { add_point(n_points_, x, y, z); }
 
   void add_point(std::int64_t number, double x, double y, double z) {
-    if (!Vector3(x, y, z).allFinite())
-      throw invalid_coordinate(name_ + ": vertex " + std::to_string(n_points_) + " has a coordinate that is not finite",
-                               Entity::vertex, {static_cast<std::size_t>(n_points_)});
+    if (!Vector3(x, y, z).allFinite()) framehex::detail::throw_not_finite(name_, n_points());
     points_[clerk_of(number, transport_.n_ranks())].push_back({number, n_points_++, {x, y, z}});
     if (++n_waiting_ == n_at_once) send(false);
   }
@@ -75,7 +73,8 @@ public:
   void add(int dimension, CellKind kind, std::span<const std::int64_t> corners, std::int64_t label,
            std::size_t number) {
     for (const std::int64_t corner : corners) {
-      if (!Numbered && (corner < 0 || corner >= std::int64_t{no_index})) refuse(number, corner);
+      if (!Numbered && (corner < 0 || corner >= std::int64_t{no_index}))
+        framehex::detail::throw_missing_vertex(name_, number, corner, n_points());
       if (corner > greatest_) greatest_ = corner, greatest_user_ = number;
     }
     if (dimension != 3) return;
@@ -95,7 +94,8 @@ public:
 
   /// @throws as MeshBuilder::finish.
   void finish(Volume volume) {
-    if (!Numbered && greatest_ >= n_points_) refuse(greatest_user_, greatest_);
+    if (!Numbered && greatest_ >= n_points_)
+      framehex::detail::throw_missing_vertex(name_, greatest_user_, greatest_, n_points());
     if (n_cells_ == 0 && volume == Volume::required) throw io_error(name_ + ": holds no tetrahedron");
     send(true);
   }
@@ -104,12 +104,6 @@ private:
   /// Points and cells that wait for others, to be sent together; cells that one rank gets on end.
   static constexpr std::size_t n_at_once = std::size_t{1} << 17;
   static constexpr std::int64_t cells_a_turn = 2048;
-
-  [[noreturn]] void refuse(std::size_t number, std::int64_t corner) const {
-    throw invalid_connectivity(name_ + ": cell " + std::to_string(number) + " refers to vertex " +
-                                   std::to_string(corner) + " of " + std::to_string(n_points_),
-                               Entity::cell, {number});
-  }
 
   void send(bool is_last) {
     std::vector<Parcel> parcels = parcels_of(points_, cells_);
