@@ -618,7 +618,7 @@ TEST_CASE("global numbers are those that the attribute GlobalIds names, and are 
       distributed::validate(read.part, transport);
     else
       CHECK_THROWS_WITH(distributed::validate(read.part, transport),
-                        Catch::Contains("has the global number 4611686018427387904; they are less than 2^62"));
+                        Catch::Contains("has the global number 4611686018427387904; they are from 0 to 2^62 - 1"));
     transport.agree();
   }
 }

@@ -27,26 +27,16 @@ inline std::string vertex_name(std::size_t v, std::int64_t id) {
   return "vertex " + std::to_string(v) + " (" + std::to_string(id) + " of the whole mesh)";
 }
 
-/// Global numbers are smaller: there is room above them for those of new vertices, and for sums.
-inline constexpr std::int64_t number_limit = std::int64_t{1} << 62;
-
-inline void check_number(const char* what, std::size_t index, std::int64_t id, Entity entity) {
-  const std::string text = std::string(what) + ' ' + std::to_string(index) + " has the global number ";
-  if (id < 0) throw invalid_connectivity(text + std::to_string(id), entity, {index});
-  if (id >= number_limit)
-    throw invalid_connectivity(text + std::to_string(id) + "; they are less than 2^62", entity, {index});
-}
-
 /// @throws invalid_connectivity  for what is wrong with the numbers without a look at other ranks.
 inline void check_own_numbers(const IndexedPart& part, int n_ranks) {
+  framehex::detail::check_numbers(part.vertex_ids, Entity::vertex);
+  framehex::detail::check_numbers(part.cell_ids, Entity::cell);
   for (std::size_t v = 0; v < part.vertex_ids.size(); ++v) {
-    check_number("vertex", v, part.vertex_ids[v], Entity::vertex);
     if (part.owners[v] < 0 || part.owners[v] >= n_ranks)
       throw invalid_connectivity(vertex_name(v, part.vertex_ids[v]) + " has the owner " +
                                      std::to_string(part.owners[v]) + " of " + std::to_string(n_ranks) + " ranks",
                                  Entity::vertex, {v});
   }
-  for (std::size_t c = 0; c < part.cell_ids.size(); ++c) check_number("cell", c, part.cell_ids[c], Entity::cell);
 }
 
 /// Checks numbers against those of other ranks, at a rank that follows from the number.

@@ -106,6 +106,8 @@ private:
     check("PartInput::vertex_numbers", input_.vertex_numbers.size(), input_.points.size());
     check("PartInput::cell_numbers", input_.cell_numbers.size(), input_.tets.size());
     if (!input_.regions.empty()) check("PartInput::regions", input_.regions.size(), input_.tets.size());
+    check_numbers(input_.vertex_numbers, Entity::vertex);
+    check_numbers(input_.cell_numbers, Entity::cell);
     if (options_.assembly.boundary_projection)
       throw invalid_option("a mesh in parts keeps its boundary vertices: boundary_projection must be empty");
     if (options_.assembly.interfaces == InterfaceMode::no_pyramids || options_.assembly.fit != CellFit::any)
@@ -124,10 +126,7 @@ private:
     HaloExchange(transport_, *partition_, held).run(n_halo_layers);
     patch_.emplace(std::move(held), *partition_, has_regions);
     leaves_ = partition_->leaves_of(transport_.rank());
-    std::array<double, 1> last{0};
-    for (const global_t v : input_.vertex_numbers) last[0] = std::min(last[0], -static_cast<double>(v));
-    transport_.least(std::span<double>(last));
-    first_new_ = static_cast<global_t>(-last[0]) + 1;
+    first_new_ = greatest_number(transport_, input_.vertex_numbers) + 1;
     for_each_own_tet([&](index_t) { ++n_tets_; });
     n_tets_ = sum_of(transport_, n_tets_);
   }

@@ -45,7 +45,8 @@ bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E
   const auto make = [&](std::span<const index_t> selected, const AssemblyOptions& how) {
     return assemble(patch.mesh, patch.adjacency, candidates, selected, how);
   };
-  Assembly assembly = assemble_soundly(make, patch.adjacency, candidates, std::move(all), assembling).assembly;
+  auto [assembly, n_given_up] = assemble_soundly(make, patch.adjacency, candidates, std::move(all), assembling);
+  result.n_given_up = static_cast<std::int64_t>(n_given_up);
   if (assembly.status == Status::cancelled) return false;
   result.mesh = std::move(assembly.mesh);
   result.mesh.faces.clear();
