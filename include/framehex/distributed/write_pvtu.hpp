@@ -1,167 +1,17 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
-#include "framehex/distributed/detail/packing.hpp"
+#include "framehex/distributed/detail/ghost_layer.hpp"
 #include "framehex/distributed/run_collectively.hpp"
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/vtu_writer.hpp"
 
 #include <charconv>
 #include <optional>
-#include <unordered_map>
 
 namespace framehex::distributed {
 
-/// A vertex that another rank has, too.
-struct SharedWith {
-  index_t vertex;
-  int rank;
-};
-
-/// A rank's cells of a distributed mesh of any cells, as they are to be written. Spans must outlive the call only.
-struct MixedPart {
-  const MixedMesh& mesh;
-  std::span<const std::int64_t> vertex_ids;  ///< global numbers
-  std::span<const std::int64_t> cell_ids;
-  std::span<const int> owners;         ///< of the vertices
-  std::span<const SharedWith> shared;  ///< with every other rank that has the vertex
-};
-
 namespace detail {
-
-/// A part and, behind its own cells, those of other ranks that touch it.
-struct HaloedPart {
-  MixedMesh mesh;
-  std::vector<std::int64_t> vertex_ids, cell_ids;
-  std::vector<std::uint8_t> vertex_ghosts, cell_ghosts;  ///< VTK's marks: 1 where another rank has it
-  MeshData data;
-};
-
-/// Packs rows of each array.
-inline void pack_rows(std::vector<std::byte>& bytes, const std::vector<DataArray>& arrays,
-                      const std::vector<index_t>& rows) {
-  for (const DataArray& array : arrays)
-    std::visit(
-        [&](const auto& values) {
-          std::decay_t<decltype(values)> taken;
-          for (const index_t row : rows) {
-            const auto begin = values.begin() + static_cast<std::ptrdiff_t>(row * array.n_components);
-            taken.insert(taken.end(), begin, begin + static_cast<std::ptrdiff_t>(array.n_components));
-          }
-          pack(bytes, taken);
-        },
-        array.values);
-}
-
-/// Takes them back, and appends some to the arrays.
-inline void append_rows(Unpacker& in, std::vector<DataArray>& arrays, const std::vector<std::size_t>& rows) {
-  for (DataArray& array : arrays)
-    std::visit(
-        [&](auto& values) {
-          const auto arrived = in.take<typename std::decay_t<decltype(values)>::value_type>();
-          for (const std::size_t row : rows) {
-            const auto begin = arrived.begin() + static_cast<std::ptrdiff_t>(row * array.n_components);
-            values.insert(values.end(), begin, begin + static_cast<std::ptrdiff_t>(array.n_components));
-          }
-        },
-        array.values);
-}
-
-/// @throws invalid_option  when another rank has other arrays. Collective.
-inline void check_same_arrays(const MpiTransport& transport, const MeshData& data) {
-  std::string mine;
-  for (const auto* const arrays : {&data.cells, &data.points})
-    for (const DataArray& a : *arrays)
-      mine += a.name + ' ' + std::to_string(a.n_components) + ' ' + std::to_string(a.values.index()) + ';';
-  for (const std::string& other : gathered_texts(transport, {mine}))
-    if (other != mine) throw invalid_option("the arrays of one rank are not those of another");
-}
-
-/// Fetches the cells of other ranks that have a vertex of this one's. Collective; between ranks that share vertices.
-///
-/// @param data  by cell and point of the part; the rows of ghosts are fetched, too.
-inline HaloedPart with_halo(const MpiTransport& transport, const MixedPart& part, const MeshData& data) {
-  check_same_arrays(transport, data);
-  const auto n_ranks = static_cast<std::size_t>(transport.n_ranks());
-  HaloedPart out{
-      part.mesh, {part.vertex_ids.begin(), part.vertex_ids.end()}, {part.cell_ids.begin(), part.cell_ids.end()}, {}, {},
-      data};
-  for (const int owner : part.owners) out.vertex_ghosts.push_back(owner != transport.rank());
-  out.cell_ghosts.assign(part.mesh.n_cells(), 0);
-
-  const MixedMesh& mesh = part.mesh;
-  std::vector<std::vector<index_t>> touching(n_ranks);  // cells that touch a rank
-  const Csr<int> ranks_of = make_csr<int>(mesh.points.size(), [&](auto&& put) {
-    for (const SharedWith& s : part.shared) put(s.vertex, s.rank);
-  });
-  for (index_t c = 0; c < mesh.n_cells(); ++c)
-    for (const index_t v : mesh.cells[c])
-      for (const int rank : ranks_of[v]) {
-        auto& cells = touching[static_cast<std::size_t>(rank)];
-        if (cells.empty() || cells.back() != c) cells.push_back(c);
-      }
-  std::vector<Parcel> parcels;
-  for (std::size_t rank = 0; rank < n_ranks; ++rank) {
-    if (touching[rank].empty()) continue;
-    std::vector<std::int64_t> ids, corner_ids;
-    std::vector<std::uint8_t> kinds;
-    std::vector<index_t> regions, corners;
-    std::vector<Vector3> points;
-    for (const index_t c : touching[rank]) {
-      ids.push_back(part.cell_ids[c]);
-      kinds.push_back(static_cast<std::uint8_t>(mesh.kinds[c]));
-      regions.push_back(mesh.regions.empty() ? 0 : mesh.regions[c]);
-      for (const index_t v : mesh.cells[c]) {
-        corners.push_back(v);
-        corner_ids.push_back(part.vertex_ids[v]);
-        points.push_back(mesh.points[v]);
-      }
-    }
-    Parcel& parcel = parcels.emplace_back(Parcel{static_cast<int>(rank), {}});
-    pack(parcel.bytes, ids);
-    pack(parcel.bytes, kinds);
-    pack(parcel.bytes, regions);
-    pack(parcel.bytes, corner_ids);
-    pack(parcel.bytes, points);
-    pack_rows(parcel.bytes, data.cells, touching[rank]);
-    pack_rows(parcel.bytes, data.points, corners);
-  }
-  std::unordered_map<std::int64_t, index_t> vertex_of;
-  for (index_t v = 0; v < out.vertex_ids.size(); ++v) vertex_of.emplace(out.vertex_ids[v], v);
-  for (const Parcel& p : transport.exchange(std::move(parcels))) {
-    Unpacker in(p.bytes);
-    const auto ids = in.take<std::int64_t>();
-    const auto kinds = in.take<std::uint8_t>();
-    const auto regions = in.take<index_t>();
-    const auto corner_ids = in.take<std::int64_t>();
-    const auto points = in.take<Vector3>();
-    std::size_t at = 0;
-    std::vector<std::size_t> cell_rows, new_rows;
-    for (std::size_t c = 0; c < ids.size(); ++c) {
-      cell_rows.push_back(c);
-      const auto kind = static_cast<CellKind>(kinds[c]);
-      std::array<index_t, 8> corners{};
-      const auto n = static_cast<std::size_t>(n_corners(kind));
-      for (std::size_t i = 0; i < n; ++i, ++at) {
-        const auto [found, is_new] = vertex_of.emplace(corner_ids[at], static_cast<index_t>(out.mesh.points.size()));
-        if (is_new) {
-          out.mesh.points.push_back(points[at]);
-          out.vertex_ids.push_back(corner_ids[at]);
-          out.vertex_ghosts.push_back(1);
-          new_rows.push_back(at);
-        }
-        corners[i] = found->second;
-      }
-      out.mesh.add(kind, std::span(corners).first(n));
-      out.cell_ids.push_back(ids[c]);
-      out.cell_ghosts.push_back(1);
-      if (!out.mesh.regions.empty()) out.mesh.regions.push_back(regions[c]);
-    }
-    append_rows(in, out.data.cells, cell_rows);
-    append_rows(in, out.data.points, new_rows);
-  }
-  return out;
-}
 
 inline const char* vtk_type(const DataArray& array) {
   constexpr std::array<const char*, 4> names{"Float64", "UInt32", "UInt8", "Int64"};
@@ -253,7 +103,7 @@ inline void write_pvtu(const std::filesystem::path& path, const MpiTransport& tr
   try {
     run_collectively(transport, [&] {
       framehex::detail::check_rows(path.string(), part.mesh.n_cells(), part.mesh.points.size(), data);
-      detail::HaloedPart piece = detail::with_halo(transport, part, data);
+      detail::HaloedPart piece(transport, part, data);
       MeshData& all = piece.data;
       all.cells.push_back({"GlobalCellIds", std::move(piece.cell_ids)});
       all.cells.push_back({"vtkGhostType", std::move(piece.cell_ghosts)});
