@@ -156,6 +156,8 @@ nlohmann::ordered_json json_of(const fd::MpiTransport& transport, const Measures
                        {"chosen", result.n_chosen},
                        {"rounds", result.n_rounds}};
   add_to(json, result.assembly, static_cast<std::size_t>(result.n_given_up));
+  if (result.n_parts > 1)  // these are counted of one part alone
+    for (const char* const key : {"open_before", "refitted", "unfit", "removed_vertices"}) json["assembly"].erase(key);
   add_ranks(json, transport, result.mesh.n_cells());
   finish(json, options);
   return json;

@@ -219,9 +219,13 @@ def check_report(folder):
     subprocess.run(command(3, folder / "in.vtu", folder / "out.pvtu", "--part-size", "300", "--report",
                            str(folder / "out.json")), check=True)
     one, out = (json.loads((folder / f"{name}.json").read_text()) for name in ("one", "out"))
-    for key in ("seconds", "assembly"):
-        assert out[key].keys() == one[key].keys(), (key, out[key])
-    assert out["seconds"]["assembly"] > 0 and out["seconds"]["total"] < 100
+    assert out["seconds"].keys() == one["seconds"].keys() and out["seconds"]["assembly"] > 0, out["seconds"]
+    assert out["assembly"].keys() < one["assembly"].keys()
+    assert out["counts"]["vertices"] == len(points) + out["assembly"]["new_vertices"], out["assembly"]
+    subprocess.run(command(2, folder / "in.vtu", folder / "whole.pvtu", "--report", str(folder / "whole.json")), check=True)
+    whole = json.loads((folder / "whole.json").read_text())
+    assert whole["parts"] == 1 and whole["assembly"].keys() == one["assembly"].keys()
+    assert min(whole["seconds"][key] for key in ("search", "selection", "assembly")) > 0, whole["seconds"]
     assert out["selection"]["value"] <= out["selection"]["bound"] and out["selection"]["chosen"] > 0
     assert [g["name"] for g in out["groups"]] == [g["name"] for g in one["groups"]] == ["steel part", "air"]
     assert sum(g["elements"] for g in out["groups"]) == out["counts"]["cells"]
