@@ -53,8 +53,9 @@ void add_output(CLI::App& command, Options& options, const char* what) {
 
 void add_regions(CLI::App& command, Options& options) {
   command
-      .add_option("--regions", options.regions,
-                  "Array by cell of a .vtu or .vtk file that tells the regions; without it, one of the usual names")
+      .add_option(
+          "--regions", options.regions,
+          "Array by cell of a .vtu, .pvtu or .vtk file that tells the regions; without it, one of the usual names")
       ->type_name("ARRAY");
 }
 

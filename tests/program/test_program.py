@@ -394,6 +394,19 @@ class TestBadOutput(Case):
         (self.folder / "out.vtu").unlink()
         self.check_refused(self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.msh")), "out.msh")
 
+    def test_several_ranks(self):
+        """Started by mpirun, with MPI or without, the first says that all would write one file; the others say nothing."""
+        for name in ("OMPI_COMM_WORLD", "PMI"):
+            first, second = (dict(os.environ, **{f"{name}_SIZE": "2", f"{name}_RANK": str(rank)}) for rank in (0, 1))
+            self.check_refused(self.recombine(self.path("out.vtu"), env=first), "2 ranks would each write it", "out.pvtu")
+            self.check_refused(self.run_program("inspect", self.path("tets.vtk"), env=first), "2 ranks would each do")
+            silent = self.recombine(self.path("out.vtu"), env=second)
+            self.assertEqual((silent.returncode, silent.stdout, silent.stderr), (0, "", ""))
+            self.assertFalse((self.folder / "out.vtu").exists())
+            alone = self.recombine(self.path("out.vtu"), env=dict(first, **{f"{name}_SIZE": "1"}))
+            self.assertEqual(alone.returncode, 0)
+            (self.folder / "out.vtu").unlink()
+
     def test_no_permission(self):
         self.folder.chmod(0o555)
         os.chmod(self.path("tets.vtk"), 0o444)
