@@ -245,7 +245,7 @@ class TestBadSurfaces(Case):
         points, triangles = box()
         other, _ = box(origin=(0.5, 0.4, 0.3))
         write_stl(self.path("crossing.stl"), points + other, triangles + [tuple(i + 8 for i in t) for t in triangles])
-        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"), "bodies overlap",
+        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"), "overlapping or touching bodies",
                            "polygon 2 and polygon", "near (", "more")
 
     def test_repair(self):
@@ -740,6 +740,24 @@ class TestBodies(Case):
             self.assertEqual(found["counts"], {"hexahedron": 16})
             self.assertEqual(len(found["boundary"]), 40)
             os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+
+    def test_repair_makes_regions_of_bodies_that_touch(self):
+        points, triangles = box()
+        again = [tuple(i + 8 for i in t) for t in triangles]
+        a, b, c = triangles[0]
+        middle = tuple((x + y) / 2 for x, y in zip(points[a], points[c]))
+        for name, at in (("an edge", (1, 1, 0)), ("a vertex", (1, 1, 1)), ("a face", (1, 0, 0))):
+            for bodies in ([], ["--bodies", "regions"]):
+                become_one = name == "a face" and not bodies
+                with self.subTest(name, bodies=bodies):
+                    write_stl(self.path("two.stl"), points + box(origin=at)[0] + [middle], triangles[1:] + again + [(a, b, 16), (b, c, 16)])
+                    self.check_refused(self.mesh("two.stl", "--size", "0.5"), "two.stl")
+                    result = self.mesh("two.stl", "--size", "0.5", "--repair", *bodies)
+                    self.assertEqual(result.returncode, 0, result)
+                    self.assertIn("edges were split", result.stderr)
+                    self.assertEqual("each is a region" in result.stderr, not bodies and not become_one, result.stderr)
+                    self.check_regions([2] if become_one else [1, 1])
+                    os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
 
     def check_regions(self, volumes):
         out = read(self.path("out.vtu"))
