@@ -160,7 +160,8 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
   if (!result.poor_cells.empty())
     remark(options, std::to_string(result.poor_cells.size()) + " cells have a scaled Jacobian below 0.05, " +
                         (n_forced == 0 ? "none" : std::to_string(n_forced)) +
-                        " of them forced by angles of the surface; the first is " + near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
+                        " of them forced by angles of the surface; the first is " +
+                        near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
 }
 
 /// @return the number of vertices merged.

@@ -79,7 +79,8 @@ TEST_CASE("faults of a surface are told by the file's polygons and coordinates, 
              Contains("an edge has more than two triangles") && Contains("from (1, 1, "));
   CHECK_THAT(message_of<nonmanifold>(joined(unit, unit, {1, 1, 1})),
              Contains("itself at a vertex") && Contains("(1, 1, 1)"));
-  CHECK_THAT(message_of<invalid_surface>(joined(unit, unit, {0.5, 0.4, 0.3})), Contains("overlapping or touching bodies"));
+  CHECK_THAT(message_of<invalid_surface>(joined(unit, unit, {0.5, 0.4, 0.3})),
+             Contains("overlapping or touching bodies"));
   IndexedTriangleMesh crossing = test::box_surface({1, 1, 1}, 2, 2, 2);
   for (Vector3& p : crossing.points)
     if (p.isApprox(Vector3(0.5, 0.5, 1))) p.z() = -0.5;  // through the floor

@@ -741,6 +741,16 @@ class TestBodies(Case):
             self.assertEqual(len(found["boundary"]), 40)
             os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
 
+    def test_boxes_that_touch_in_an_edge_are_meshed_at_every_size(self):
+        points, triangles = box()
+        write_stl(self.path("two.stl"), points + box(origin=(1, 1, 0))[0], triangles + [tuple(i + 8 for i in t) for t in triangles])
+        for n in (10, 60, 100, 130, 200):
+            with self.subTest(n):
+                result = self.mesh("two.stl", "--cells", str(n), "--bodies", "regions")
+                self.assertEqual(result.returncode, 0, result)
+                self.check_regions([1, 1])
+                os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+
     def test_repair_makes_regions_of_bodies_that_touch(self):
         points, triangles = box()
         again = [tuple(i + 8 for i in t) for t in triangles]
