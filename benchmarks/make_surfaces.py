@@ -67,7 +67,7 @@ GMSH = {  # programs of Gmsh with its OpenCASCADE kernel; elements no longer tha
         Spline(1) = {1:5}; Line(2) = {5,10}; Spline(3) = {10,9,8,7,6}; Line(4) = {6,1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
         Extrude{ {0,0,1}, {0,0,0}, 2*Pi }{ Surface{1}; } Delete{ Surface{1}; } L = 0.3;""",
     "duct": """Rectangle(1) = {-1,-1,0, 2,2, 0.3}; Rectangle(2) = {-0.6,-0.6,3, 1.2,1.2, 0.5}; Wire(30) = {1:8}; Wire(31) = {9:16};
-        ThruSections(1) = {30,31}; Delete{ Surface{1,2}; } L = 0.3;""",
+        ThruSections(1) = {30,31}; Physical Surface(1) = Boundary{ Volume{1}; }; L = 0.3;""",
     "wavy_sheet": """For i In {0:24}
           Point(i+1) = {0.25*i, 0, 0.5*Sin(0.25*i*2)}; Point(i+101) = {0.25*i, 0, 0.5*Sin(0.25*i*2)+0.08};
         EndFor
@@ -161,7 +161,8 @@ def main():
             stl.with_suffix(".geo").write_text(
                 f'SetFactory("OpenCASCADE");\n{text}\nMesh.CharacteristicLengthMax = L; Mesh.CharacteristicLengthFromCurvature = 1; '
                 "Mesh.MinimumElementsPerTwoPi = 20; Mesh.Binary = 1;\n")
-            subprocess.run(["gmsh", "-2", "-v", "1", stl.with_suffix(".geo"), "-o", stl], check=True)
+            subprocess.run(["gmsh", "-2", "-v", "1", stl.with_suffix(".geo"), "-o", folder / "partial.stl"], check=True)
+            (folder / "partial.stl").rename(stl)  # Gmsh writes one when it fails, too
     for name, text in OPENSCAD.items():
         off = folder / f"{name}.off"
         if not off.exists():
