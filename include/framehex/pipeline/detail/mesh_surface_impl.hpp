@@ -71,8 +71,8 @@ private:
   /// under the surface, then with smaller sizes, then by fronts if a lattice has done no better with these; the best mesh
   /// stays.
   ///
-  /// Ends after `most_rounds`, after two that made it no better, or when smaller sizes would ask for too many points:
-  /// quality is not worth more.
+  /// Ends after `most_rounds`, after two with smaller sizes that made it no better, or when these would ask for too many
+  /// points: quality is not worth more.
   bool make_mesh() {
     constexpr int most_rounds = 5, most_vain = 2;
     const double wanted = options_.least_quality;
@@ -82,8 +82,10 @@ private:
       const auto limits = limits_at_poor_cells(result_.poor_cells, result_.recombination.mesh, wanted, size_);
       if (limits.empty()) break;
       MeshingResult before = result_;
+      bool peeled = false;
       try {
-        if (peel() == 0) {
+        peeled = peel() > 0;
+        if (!peeled) {
           size_.add(limits);
           if (asks_for_too_much()) break;
           if (options_.order == PointOrder::lattice && vain > 0) use_fronts();
@@ -97,7 +99,7 @@ private:
         break;
       }
       if (poverty(result_.poor_cells, wanted) < poverty(before.poor_cells, wanted)) continue;
-      ++vain;
+      if (!peeled) ++vain;
       result_ = std::move(before);
     }
     result_.recombination.seconds = seconds_;
