@@ -157,11 +157,13 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
                                              {"input_angle", poor.input_angle}});
     n_forced += poor.input_angle ? 1 : 0;
   }
-  if (!result.poor_cells.empty())
-    remark(options, std::to_string(result.poor_cells.size()) + " cells have a scaled Jacobian below 0.05, " +
-                        (n_forced == 0 ? "none" : std::to_string(n_forced)) +
-                        " of them forced by angles of the surface; the first is " +
-                        near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
+  if (result.poor_cells.empty()) return;
+  const auto& poorest = *std::ranges::min_element(result.poor_cells, {}, &framehex::PoorCell::quality);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%zu cells have a scaled Jacobian below 0.05, %zu of them forced by angles of the surface: %.2g ",
+                result.poor_cells.size(), n_forced, poorest.quality);
+  remark(options, text + near(poorest.place) + and_more(result.poor_cells.size()));
 }
 
 /// @return the number of vertices merged.

@@ -293,6 +293,20 @@ class TestBadSurfaces(Case):
                 self.assertAlmostEqual(volume, 1.99, delta=0.0101 if n_merged else 1e-9)
         self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 16})
 
+    def test_the_poorest_cell_is_named(self):
+        # A step of a ten-thousandth on one side of a box.
+        profile = [(0, 0), (1, 0), (1, 1), (0.9999, 1), (0.9999, 2), (0, 2)]
+        n = len(profile)
+        points = [(x, y, z) for z in (0, 1) for x, y in profile]
+        triangles = [t for i in range(1, n - 1) for t in ((0, i + 1, i), (n, n + i, n + i + 1))]
+        triangles += [t for i in range(n) for j in [(i + 1) % n] for t in ((i, j, n + j), (i, n + j, n + i))]
+        write_stl(self.path("step.stl"), points, triangles)
+        result = self.mesh("step.stl", "--size", "0.5", "--least-feature", "0")
+        self.assertEqual(result.returncode, 0, result)
+        poor = json.loads((self.folder / "out.json").read_text())["quality"]["poor_cells"]
+        poorest = min(poor, key=lambda cell: cell["scaled_jacobian"])
+        self.assertIn("{:.2g} near ({:.4g}, {:.4g}, {:.4g})".format(poorest["scaled_jacobian"], *poorest["place"]), result.stderr)
+
     def test_size(self):
         write_stl(self.path("box.stl"), *box())
         for size in ("0", "-1", "nan", "inf", "1e9", "1e-9", "2"):
