@@ -408,8 +408,9 @@ TEST_CASE("where a lattice has holes or is lost there are as many hexahedra as w
   CHECK(seen == std::set{PointOrder::smoothness, PointOrder::lattice});
 }
 
-TEST_CASE("where one layer of a lattice is refused in a wall, steps no longer than the size leave more hexahedra than fronts",
-          "[regression]") {
+TEST_CASE(
+    "where one layer of a lattice is refused in a wall, steps no longer than the size leave more hexahedra than fronts",
+    "[regression]") {
   const IndexedTriangleMesh wing = test::read_ply(FRAMEHEX_TEST_DATA "/naca.ply");
   MeshingOptions options{.recombination = {.assembly = {.fit = CellFit::finite_volume}}};
   const MeshingResult lattice = mesh_surface(wing, Constant{0.064}, TetgenProcess{}, options);
