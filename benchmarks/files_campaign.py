@@ -3,10 +3,10 @@
 """Gives the program every surface file of two packages of test data, whole or broken as they are, and tells what became of each.
 
     files_campaign.py --program FRAMEHEX --results FOLDER [--cells 1000] [--limit SECONDS] [--memory GIGABYTES]
-                      [--judge SCRIPT] [FILE_OR_FOLDER...]
+                      [--judge SCRIPT] [--also FOLDER] [FILE_OR_FOLDER...]
 
 Without files, those of Debian's assimp-testmodels and libcgal-demo, some two hundred: fetched by `apt-get download` and unpacked in
-FOLDER, nothing is installed. Files of one content are run once. Each run leaves a line in FOLDER/runs.jsonl; files that have
+FOLDER, nothing is installed. --also names a folder of more, as make_surfaces.py makes. Files of one content are run once. Each run leaves a line in FOLDER/runs.jsonl; files that have
 one are not run again, so that a campaign that was stopped goes on where it was.
 
 Each file must be meshed, without a fault by the program's own report and by --judge (run as `SCRIPT MESH --json`, of whose
@@ -98,13 +98,14 @@ def main():
     parser.add_argument("--limit", type=int, default=300, help="processor seconds")
     parser.add_argument("--memory", type=float, default=4, help="gigabytes of address space")
     parser.add_argument("--judge")
+    parser.add_argument("--also", action="append", default=[])
     parser.add_argument("file", nargs="*")
     options = parser.parse_args()
     options.results.mkdir(parents=True, exist_ok=True)
     record = options.results / "runs.jsonl"
     done = {r["content"]: r for r in map(json.loads, record.read_text().splitlines())} if record.exists() else {}
     seen, results = set(), []
-    for file in files_of(options.file or fetch(options.results)):
+    for file in files_of([*(options.file or fetch(options.results)), *options.also]):
         content = hashlib.sha256(file.read_bytes()).hexdigest()
         if content in seen:
             continue

@@ -49,6 +49,30 @@ GMSH = {  # programs of Gmsh with its OpenCASCADE kernel; elements no longer tha
         EndFor
         BooleanUnion{ Volume{1}; Delete; }{ Volume{10:18}; Delete; } L = 0.8;""",
     "rounded": "Box(1) = {0,0,0, 3,2,1}; Fillet{1}{1:12}{0.2} L = 0.2;",
+    "chamfered": "Box(1) = {0,0,0, 3,2,1}; Chamfer{1}{1:12}{3,3,3,3,1,1,1,1,1,1,1,1}{0.15} L = 0.4;",
+    "fillet_boss": """Box(1) = {-3,-2,0, 6,4,0.5}; Cylinder(2) = {0,0,0.5, 0,0,1.5, 0.9}; BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+        e() = Curve In BoundingBox {-1,-1,0.4, 1,1,0.6}; v() = Fillet{3}{e()}{0.3};
+        Cylinder(50) = {0,0,-1, 0,0,4, 0.4}; BooleanDifference{ Volume{v()}; Delete; }{ Volume{50}; Delete; } L = 0.3;""",
+    "flange": """Cylinder(1) = {0,0,0, 0,0,0.4, 3}; Cylinder(2) = {0,0,0.4, 0,0,2, 1.2}; BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+        Cylinder(4) = {0,0,-1, 0,0,5, 1};
+        For i In {0:7}
+          Cylinder(10+i) = {2.3*Cos(i*Pi/4),2.3*Sin(i*Pi/4),-1, 0,0,3, 0.3};
+        EndFor
+        BooleanDifference{ Volume{3}; Delete; }{ Volume{4,10:17}; Delete; } L = 0.4;""",
+    "cup": "Sphere(1) = {0,0,0, 2, -Pi/2, 0}; Sphere(2) = {0,0,0, 1.95, -Pi/2, 0}; BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; } L = 0.3;",
+    "tee": """Cylinder(1) = {-3,0,0, 6,0,0, 1}; Cylinder(2) = {0,0,0, 0,0,3, 0.7}; BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+        Cylinder(4) = {-4,0,0, 8,0,0, 0.9}; Cylinder(5) = {0,0,0, 0,0,4, 0.6}; BooleanDifference{ Volume{3}; Delete; }{ Volume{4,5}; Delete; } L = 0.3;""",
+    "bottle": """Point(1) = {1,0,0}; Point(2) = {1.2,0,1}; Point(3) = {0.8,0,2.2}; Point(4) = {0.3,0,3}; Point(5) = {0.35,0,3.6};
+        Point(6) = {0.95,0,0}; Point(7) = {1.15,0,1}; Point(8) = {0.75,0,2.2}; Point(9) = {0.25,0,3}; Point(10) = {0.3,0,3.6};
+        Spline(1) = {1:5}; Line(2) = {5,10}; Spline(3) = {10,9,8,7,6}; Line(4) = {6,1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+        Extrude{ {0,0,1}, {0,0,0}, 2*Pi }{ Surface{1}; } Delete{ Surface{1}; } L = 0.3;""",
+    "duct": """Rectangle(1) = {-1,-1,0, 2,2, 0.3}; Rectangle(2) = {-0.6,-0.6,3, 1.2,1.2, 0.5}; Wire(30) = {1:8}; Wire(31) = {9:16};
+        ThruSections(1) = {30,31}; Physical Surface(1) = Boundary{ Volume{1}; }; L = 0.3;""",
+    "wavy_sheet": """For i In {0:24}
+          Point(i+1) = {0.25*i, 0, 0.5*Sin(0.25*i*2)}; Point(i+101) = {0.25*i, 0, 0.5*Sin(0.25*i*2)+0.08};
+        EndFor
+        Spline(1) = {1:25}; Line(2) = {25,125}; Spline(3) = {125:101:-1}; Line(4) = {101,1}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+        Extrude{ 0,3,0 }{ Surface{1}; } L = 0.4;""",
 }
 
 GEAR = """module gear(teeth, bore) { difference() { union() { circle(teeth / 2 - 1, $fn = 5 * teeth);
@@ -63,6 +87,14 @@ OPENSCAD = {
     "threaded_rod": "linear_extrude(10, twist = 1800, slices = 150) translate([0.3, 0]) circle(2, $fn = 40);",
     "sponge": """difference() { cube(9, center = true); for (a = [[0, 0, 0], [90, 0, 0], [0, 90, 0]]) rotate(a) { cube([3, 3, 10], center = true);
         for (i = [-3, 0, 3], j = [-3, 0, 3]) translate([i, j, 0]) cube([1, 1, 10], center = true); } }""",
+    "gear_bevel": GEAR + "linear_extrude(4, scale = 0.6) gear(16, 2);",
+    "gear_herringbone": GEAR + "for (side = [0, 1]) mirror([0, 0, side]) linear_extrude(2, twist = 15, slices = 8) gear(12, 2);",
+    "spring_flat": "linear_extrude(12, twist = 1440, slices = 160) translate([3, 0]) square([0.5, 1.2], center = true);",
+    "text_round": 'rotate_extrude($fn = 60) translate([6, 0]) square([0.5, 4]); for (i = [0 : 3]) rotate(90 * i) '
+                  'translate([6.3, 0, 2]) rotate([90, 0, 90]) linear_extrude(0.8) text("abc"[i % 3], 2, font = "DejaVu Sans", halign = "center", valign = "center");',
+    "vase": "difference() { linear_extrude(6, twist = 60, slices = 30, scale = 1.4) circle(2, $fn = 6); "
+            "translate([0, 0, 0.2]) linear_extrude(6, twist = 60, slices = 30, scale = 1.4) circle(1.85, $fn = 6); }",
+    "pill": "minkowski() { cube([4, 2, 0.3], center = true); sphere(0.4, $fn = 20); }",
     "lattice_bars": "for (i = [0 : 2], j = [0 : 2]) { translate([2 * i, 2 * j, -1]) cylinder(6, 0.4, 0.4, $fn = 16); "
                     "translate([2 * i, -1, 2 * j]) rotate([-90, 0, 0]) cylinder(6, 0.4, 0.4, $fn = 16); "
                     "translate([-1, 2 * i, 2 * j]) rotate([0, 90, 0]) cylinder(6, 0.4, 0.4, $fn = 16); }",
@@ -129,7 +161,8 @@ def main():
             stl.with_suffix(".geo").write_text(
                 f'SetFactory("OpenCASCADE");\n{text}\nMesh.CharacteristicLengthMax = L; Mesh.CharacteristicLengthFromCurvature = 1; '
                 "Mesh.MinimumElementsPerTwoPi = 20; Mesh.Binary = 1;\n")
-            subprocess.run(["gmsh", "-2", "-v", "1", stl.with_suffix(".geo"), "-o", stl], check=True)
+            subprocess.run(["gmsh", "-2", "-v", "1", stl.with_suffix(".geo"), "-o", folder / "partial.stl"], check=True)
+            (folder / "partial.stl").rename(stl)  # Gmsh writes one when it fails, too
     for name, text in OPENSCAD.items():
         off = folder / f"{name}.off"
         if not off.exists():

@@ -4,12 +4,15 @@
 #include "framehex/distributed/read_parts.hpp"
 #include "framehex/distributed/recombine.hpp"
 
+#include "framehex/io/mesh_writer.hpp"
+
 #include "commands.hpp"
 #include "library_options.hpp"
 #include "report.hpp"
 
 #include <sys/resource.h>
 
+#include <chrono>
 #include <iostream>
 
 namespace program {
@@ -98,19 +101,20 @@ Measures joined(const fd::MpiTransport& transport, const Measures& mine, const f
   return all;
 }
 
-nlohmann::ordered_json json_of(const fd::MpiTransport& transport, const Measures& all,
-                               const framehex::PartRecombination& result, const Options& options) {
-  nlohmann::ordered_json json;
-  json["counts"] = {{"vertices", all.n_points}, {"cells", all.n_cells}};
-  constexpr std::array<const char*, 4> names{"tetrahedra", "pyramids", "prisms", "hexahedra"};
-  for (std::size_t k = 0; k < 4; ++k) json["counts"][names[k]] = all.kinds[k].n;
-  json["hex_ratio"] = {{"number", all.hex_ratio_by_number()}, {"volume", all.hex_ratio_by_volume()}};
-  json["quality"] = {{"least", all.least}, {"mean", all.mean}, {"volume", all.volume}};
-  json["parts"] = result.n_parts;
-  json["candidates"] = result.n_candidates;
-  json["chosen"] = result.n_chosen;
-  json["weight"] = result.weight;
-  // By rank.
+/// Of each number the greatest of all ranks.
+framehex::StageSeconds slowest(const fd::MpiTransport& transport, const framehex::StageSeconds& mine) {
+  std::array<double, 4> least{-mine.field, -mine.search, -mine.selection, -mine.assembly};
+  transport.least(least);
+  framehex::StageSeconds all;
+  all.field = -least[0];
+  all.search = -least[1];
+  all.selection = -least[2];
+  all.assembly = -least[3];
+  return all;
+}
+
+/// `ranks`: what each has spent and has in the end.
+void add_ranks(nlohmann::ordered_json& json, const fd::MpiTransport& transport, std::size_t n_cells) {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   const fd::Traffic traffic = transport.traffic();
@@ -119,33 +123,98 @@ nlohmann::ordered_json json_of(const fd::MpiTransport& transport, const Measures
                                  static_cast<double>(traffic.messages),
                                  static_cast<double>(traffic.bytes),
                                  static_cast<double>(traffic.collectives),
-                                 static_cast<double>(result.mesh.n_cells())};
+                                 static_cast<double>(n_cells)};
   const std::vector<double> ranks = fd::detail::gathered(transport, mine);
   constexpr std::array<const char*, 6> columns{"cpu_seconds", "peak_memory_bytes", "messages",
                                                "bytes",       "collectives",       "cells"};
   for (std::size_t i = 0; i < ranks.size(); ++i) json["ranks"][columns[i % mine.size()]].push_back(ranks[i]);
+}
+
+nlohmann::ordered_json json_of(const fd::MpiTransport& transport, const Measures& all,
+                               const framehex::StageSeconds& seconds, const framehex::PartRecombination& result,
+                               const Options& options) {
+  nlohmann::ordered_json json;
+  json["counts"] = {{"vertices", all.n_points}, {"cells", all.n_cells}};
+  constexpr std::array<const char*, 4> names{"tetrahedra", "pyramids", "prisms", "hexahedra"};
+  for (std::size_t k = 0; k < 4; ++k) json["counts"][names[k]] = all.kinds[k].n;
+  json["hex_ratio"] = {
+      {"number", all.hex_ratio_by_number()}, {"volume", all.hex_ratio_by_volume()}, {"floor", options.floor}};
+  json["quality"] = {{"least", all.least}, {"mean", all.mean}, {"volume", all.volume}};
+  add_groups(json, result.mesh);
+  for (auto& group : json["groups"])
+    group["elements"] = fd::detail::sum_of(transport, group["elements"].get<std::int64_t>());
+  if (result.mesh.groups.empty()) json.erase("groups");
+  add_to(json, seconds);
+  json["parts"] = result.n_parts;
+  json["candidates"] = result.n_candidates;
+  framehex::Selection selection;
+  selection.weight = result.weight;
+  selection.bound = result.bound;
+  json["selection"] = {{"value", selection.weight},
+                       {"bound", selection.bound},
+                       {"gap_percent", 100 * selection.gap()},
+                       {"chosen", result.n_chosen},
+                       {"rounds", result.n_rounds}};
+  add_to(json, result.assembly, static_cast<std::size_t>(result.n_given_up));
+  if (result.n_parts > 1)  // these are counted of one part alone
+    for (const char* const key : {"open_before", "refitted", "unfit", "removed_vertices"}) json["assembly"].erase(key);
+  add_ranks(json, transport, result.mesh.n_cells());
   finish(json, options);
   return json;
 }
 
+/// Refuses, before any work, files that could not be written in the end. Of a rank its own.
+void check_files(const fd::MpiTransport& transport, const Options& options) {
+  const framehex::OutputFile piece(fd::detail::piece_path(options.output, transport.rank()));
+  if (transport.rank() != 0) return;
+  check_report(options);
+  const framehex::OutputFile index(options.output);
+}
+
 bool run(const fd::MpiTransport& transport, const Options& options, const framehex::Observer& observer) {
+  check_files(transport, options);
   const fd::ReadPart read = fd::read_parts(options.input, transport, options.regions);
-  const framehex::PartRecombination result = fd::recombine(
+  framehex::PartRecombination result = fd::recombine(
       read.part, transport, part_options(options, observer, read.regions), framehex::ThreadExecutor(options.threads));
   if (result.status == framehex::Status::cancelled) return false;
+  result.mesh.groups = read.groups;
   const Measures measures = measure(result.mesh);
   framehex::MeshData data{.cells = {{"scaled_jacobian", measures.scaled_jacobian}}, .points = {}};
-  if (options.with_field) data.points.push_back(frames_of(transport, read, options, observer, result));
+  framehex::StageSeconds seconds;
+  seconds.search = result.search_seconds;
+  seconds.selection = result.selection_seconds;
+  seconds.assembly = result.assembly_seconds;
+  if (options.with_field) {
+    const auto begin = std::chrono::steady_clock::now();
+    data.points.push_back(frames_of(transport, read, options, observer, result));
+    seconds.field = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  seconds = slowest(transport, seconds);
+  const Measures all = joined(transport, measures, result);
+  const nlohmann::ordered_json json = json_of(transport, all, seconds, result, options);
+  // The report reaches the disk before the mesh takes its name, and takes its own after it.
+  std::optional<framehex::OutputFile> report;
+  if (transport.rank() == 0 && !options.report.empty()) {
+    report.emplace(options.report);
+    report->write(json.dump(2) + "\n");
+    report->finish();
+  }
   const std::vector<fd::SharedWith> shared = fd::shared_with(result);
   fd::write_pvtu(options.output, transport,
                  {result.mesh, result.vertex_numbers, result.cell_numbers, result.owners, shared}, data);
-  const Measures all = joined(transport, measures, result);
-  const nlohmann::ordered_json json = json_of(transport, all, result, options);
-  if (transport.rank() != 0) return true;
-  write_report(options, json);
+  if (report) report->commit();
   end_progress();
-  if (!options.quiet) print_row(std::filesystem::path(options.input).stem().string(), all, {});
+  if (!options.quiet) print_row(std::filesystem::path(options.input).stem().string(), all, seconds);
   return true;
+}
+
+/// One line: the rank, and the input where the message is about it and names no file.
+std::string line_of(const fd::remote_error& e, const Options& options) {
+  const std::string text = e.what(), rank = "rank " + std::to_string(e.rank()) + ": ";
+  const std::string rest = text.substr(rank.size());
+  const std::filesystem::path named = rest.substr(0, rest.find(": "));
+  const bool names_file = named.extension() == ".pvtu" || framehex::known_mesh_format(named).has_value();
+  return e.entity() == framehex::Entity::none || names_file ? text : rank + options.input + ": " + rest;
 }
 
 }  // namespace
@@ -167,7 +236,7 @@ int run_distributed(Options options) {
     return complete ? 0 : 130;
   } catch (const fd::remote_error& e) {
     if (speaks) end_progress();
-    if (speaks) std::cerr << "framehex: " << options.input << ": " << e.what() << "\n";
+    if (speaks) std::cerr << "framehex: " << line_of(e, options) << "\n";
     return 2;
   }
 }

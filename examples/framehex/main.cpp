@@ -8,6 +8,8 @@
 #include "report.hpp"
 
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -52,11 +54,42 @@ void check_distributed(const Options& options) {
         options.output + ": --ignore-faces, --ignore-edges, --compress and --quadratic are not for parts of a mesh");
 }
 
-int run_safely(const Options& options) {
+/// Which of how many ranks this process is, as `mpirun` tells its children; MPI itself need not be there.
+struct Launch {
+  int rank = 0, n_ranks = 1;
+
+  Launch() {
+    // Open MPI; MPICH, Intel MPI; MVAPICH.
+    for (const std::string name : {"OMPI_COMM_WORLD", "PMI", "MV2_COMM_WORLD"}) {
+      const char* const size = std::getenv((name + "_SIZE").c_str());
+      const char* const number = std::getenv((name + "_RANK").c_str());
+      if (!size || !number) continue;
+      n_ranks = std::atoi(size);
+      rank = std::atoi(number);
+      return;
+    }
+  }
+};
+
+/// Refuses what several ranks would all do alike, and write to the same file.
+void check_launch(const Options& options, const Launch& launch) {
+  if (launch.n_ranks < 2 || is_distributed(options)) return;
+  const std::string n = std::to_string(launch.n_ranks);
+  if (options.command != Command::recombine)
+    throw framehex::invalid_option(n + " ranks would each do the same; over MPI there is `recombine` alone");
+  throw framehex::invalid_option(options.output + ": " + n +
+                                 " ranks would each write it; over MPI a mesh is written in " + "parts, as " +
+                                 std::filesystem::path(options.output).replace_extension(".pvtu").string());
+}
+
+int run_safely(const Options& options, const Launch& launch) {
   try {
+    check_launch(options, launch);
     if (is_distributed(options)) {
       check_distributed(options);
 #ifdef FRAMEHEX_PROGRAM_MPI
+      std::cout.clear();
+      std::cerr.clear();
       return run_distributed(options);
 #endif
     }
@@ -89,7 +122,15 @@ int run_safely(const Options& options) {
 }  // namespace program
 
 int main(int argc, char** argv) {
+  // What all ranks find alike before they meet, one of them says.
+  const program::Launch launch;
+  if (launch.rank > 0) {
+    std::cout.setstate(std::ios::failbit);
+    std::cerr.setstate(std::ios::failbit);
+  }
   int exit_status = 0;
   const std::optional<program::Options> options = program::parse(argc, argv, exit_status);
-  return options ? program::run_safely(*options) : exit_status;
+  if (options) exit_status = program::run_safely(*options, launch);
+  // The first rank that fails ends all: one that does not say why is not to be it.
+  return std::cerr ? exit_status : 0;
 }

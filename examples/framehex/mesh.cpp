@@ -23,8 +23,10 @@ namespace {
 
 framehex::SoupSurface read_repaired(const Options& options, framehex::MeshReadNotes& notes) {
   framehex::SoupRepair repair;
-  framehex::SoupSurface soup =
-      framehex::read_any_surface_repaired(options.input, *options.repair, repair, {.regions = options.regions}, &notes);
+  const auto touching =
+      options.bodies == "regions" ? framehex::TouchingFaces::divided : framehex::TouchingFaces::opened;
+  framehex::SoupSurface soup = framehex::read_any_surface_repaired(options.input, *options.repair, repair,
+                                                                   {.regions = options.regions}, &notes, touching);
   if (repair.n_repeated > 0) remark(options, "repeated triangles were dropped: " + std::to_string(repair.n_repeated));
   if (repair.n_split > 0)
     remark(options, "edges were split at vertices in their middle: " + std::to_string(repair.n_split));
@@ -60,18 +62,28 @@ bool bodies_touch(framehex::SoupSurface soup) {
   }
 }
 
+/// Bodies that touch share what is between them, and each is a region.
+void make_regions(framehex::SoupSurface& soup, const Options& options) {
+  if (const std::size_t n = framehex::merge_walls(soup); n > 0)
+    remark(options,
+           std::to_string(n) + " triangles in which bodies touch others were dropped: each pair of faces is one");
+  framehex::check_complex(soup);
+  framehex::check_crossings(soup);
+  framehex::turn_to_regions(soup.surface);
+}
+
 /// Checks the surface, and turns it to bound what is wanted.
 void check_input(framehex::SoupSurface& soup, const Options& options) {
-  if (options.bodies == "regions") {
-    framehex::check_complex(soup);
-    framehex::check_crossings(soup);
-    framehex::turn_to_regions(soup.surface);
-    return;
-  }
+  if (options.bodies == "regions") return make_regions(soup, options);
   try {
     framehex::check_closed(soup);
   } catch (const framehex::nonmanifold&) {
-    if (bodies_touch(soup))
+    const bool touch = bodies_touch(soup);
+    if (touch && options.repair) {
+      remark(options, "bodies touch: each is a region");
+      return make_regions(soup, options);
+    }
+    if (touch)
       remark(options, "--bodies regions would make a region of each body:");
     else if (!options.repair && repair_mends(options))
       remark(options, "--repair would mend this:");
@@ -93,15 +105,9 @@ framehex::SoupSurface read_input(const Options& options) {
                                    ? read_repaired(options, notes)
                                    : framehex::read_any_surface(options.input, {.regions = options.regions}, &notes);
   remark_arrays(options, notes, "patches");
-  if (options.bodies == "regions") {
-    if (const std::size_t n = framehex::merge_walls(soup); n > 0)
-      remark(options,
-             std::to_string(n) + " triangles in which bodies touch others were dropped: each pair of faces is one");
-  } else {
-    if (soup.n_turned_triangles > 0)
-      remark(options, std::to_string(soup.n_turned_triangles) + " of " + std::to_string(soup.surface.triangles.size()) +
-                          " triangles were turned to look away from the material");
-  }
+  if (options.bodies != "regions" && soup.n_turned_triangles > 0)
+    remark(options, std::to_string(soup.n_turned_triangles) + " of " + std::to_string(soup.surface.triangles.size()) +
+                        " triangles were turned to look away from the material");
   if (soup.welded_by_tolerance) remark(options, "vertices within a millionth of its box were welded to close it");
   const double share = soup.rounding / framehex::bounding_box(soup.surface.points).diagonal().norm();
   if (share > 1e-5) {
@@ -151,10 +157,13 @@ void tell_exceptions(const Options& options, const framehex::MeshingResult& resu
                                              {"input_angle", poor.input_angle}});
     n_forced += poor.input_angle ? 1 : 0;
   }
-  if (!result.poor_cells.empty())
-    remark(options, std::to_string(result.poor_cells.size()) + " cells have a scaled Jacobian below 0.05, " +
-                        std::to_string(n_forced) + " of them at angles of the surface that leave no room: " +
-                        near(result.poor_cells.front().place) + and_more(result.poor_cells.size()));
+  if (result.poor_cells.empty()) return;
+  const auto& poorest = *std::ranges::min_element(result.poor_cells, {}, &framehex::PoorCell::quality);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%zu cells have a scaled Jacobian below 0.05, %zu of them forced by angles of the surface: %.2g ",
+                result.poor_cells.size(), n_forced, poorest.quality);
+  remark(options, text + near(poorest.place) + and_more(result.poor_cells.size()));
 }
 
 /// @return the number of vertices merged.

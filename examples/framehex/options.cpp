@@ -53,8 +53,9 @@ void add_output(CLI::App& command, Options& options, const char* what) {
 
 void add_regions(CLI::App& command, Options& options) {
   command
-      .add_option("--regions", options.regions,
-                  "Array by cell of a .vtu or .vtk file that tells the regions; without it, one of the usual names")
+      .add_option(
+          "--regions", options.regions,
+          "Array by cell of a .vtu, .pvtu or .vtk file that tells the regions; without it, one of the usual names")
       ->type_name("ARRAY");
 }
 
@@ -198,20 +199,18 @@ std::optional<Options> parse(int argc, char** argv, int& exit_status) {
                           ->type_name("N")
                           ->excludes(size);
   add_sizes(mesh, options, size, cells);
-  auto* const bodies =
-      mesh.add_option("--bodies", options.bodies,
-                      "What closed parts of the surface within others bound: voids, or regions; with regions, faces in "
-                      "which bodies touch become one, between them")
-          ->check(CLI::IsMember({"void", "regions"}))
-          ->capture_default_str();
+  mesh.add_option("--bodies", options.bodies,
+                  "What closed parts of the surface within others bound: voids, or regions; with regions, faces in "
+                  "which bodies touch become one, between them")
+      ->check(CLI::IsMember({"void", "regions"}))
+      ->capture_default_str();
   mesh.add_option(
           "--repair", options.repair,
           "Mend the surface: weld vertices nearer than T of its box's diagonal (1e-4 without T) where that closes "
-          "it, drop repeated triangles, split edges at vertices in their middle")
+          "it, drop repeated triangles, split edges at vertices in their middle; bodies that touch are regions")
       ->check(in_range(0, 0.01, "a tolerance from 0 to 0.01"))
       ->type_name("[T]")
       ->expected(0, 1)
-      ->excludes(bodies)
       ->default_str("1e-4");
   mesh.add_option("--least-feature", options.least_feature,
                   "Merge ledges, steps and grooves narrower than L, in the surface's unit; a thousandth of the size "

@@ -42,22 +42,15 @@ const char* to_string(framehex::SelectionStatus status) {
 
 }  // namespace
 
-void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options) {
-  json["hex_ratio"]["floor"] = options.floor;
-  const framehex::StageSeconds& s = recombination.seconds;
+void add_to(nlohmann::ordered_json& json, const framehex::StageSeconds& s) {
   json["seconds"] = {{"background", s.background}, {"field", s.field},
                      {"insertion", s.insertion},   {"tetrahedralization", s.tetrahedralization},
                      {"search", s.search},         {"selection", s.selection},
                      {"assembly", s.assembly},     {"recombination", s.recombination()},
                      {"total", s.total()}};
-  json["candidates"] = recombination.n_candidates;
-  const framehex::Selection& selection = recombination.selection;
-  json["selection"] = {{"value", selection.weight},
-                       {"bound", selection.bound},
-                       {"gap_percent", 100 * selection.gap()},
-                       {"status", to_string(selection.status)},
-                       {"iterations", selection.iterations}};
-  const framehex::AssemblyStatistics& a = recombination.assembly;
+}
+
+void add_to(nlohmann::ordered_json& json, const framehex::AssemblyStatistics& a, std::size_t n_given_up) {
   json["assembly"] = {{"open_before", a.n_open_quadrilaterals},
                       {"merged", a.n_merged},
                       {"raised", a.n_raised},
@@ -65,9 +58,22 @@ void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombi
                       {"dissolved", a.n_dissolved},
                       {"refitted", a.n_refitted},
                       {"unfit", a.n_unfit},
-                      {"given_up", recombination.n_given_up},
+                      {"given_up", n_given_up},
                       {"new_vertices", a.n_new_vertices},
                       {"removed_vertices", a.n_removed_vertices}};
+}
+
+void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options) {
+  json["hex_ratio"]["floor"] = options.floor;
+  add_to(json, recombination.seconds);
+  json["candidates"] = recombination.n_candidates;
+  const framehex::Selection& selection = recombination.selection;
+  json["selection"] = {{"value", selection.weight},
+                       {"bound", selection.bound},
+                       {"gap_percent", 100 * selection.gap()},
+                       {"status", to_string(selection.status)},
+                       {"iterations", selection.iterations}};
+  add_to(json, recombination.assembly, recombination.n_given_up);
 }
 
 void add_groups(nlohmann::ordered_json& json, const framehex::MixedMesh& mesh) {
@@ -212,15 +218,19 @@ framehex::MeshFormat output_format(const Options& options) {
 
 }  // namespace
 
-void check_outputs(const Options& options) {
+void check_report(const Options& options) {
   check_different(options);
+  if (!options.report.empty()) const OutputFile attempt(options.report);
+}
+
+void check_outputs(const Options& options) {
+  check_report(options);
   if (!options.output.empty()) {
     const framehex::MeshFormat format = output_format(options);
     if (options.quadratic && !framehex::holds_quadratic(format))
       throw framehex::io_error(options.output + ": quadratic elements are written to .vtu, .msh and .inp");
     if (format != framehex::MeshFormat::polymesh) const OutputFile attempt(options.output);
   }
-  if (!options.report.empty()) const OutputFile attempt(options.report);
   if (options.crosses.empty()) return;
   if (framehex::detail::lower_text(std::filesystem::path(options.crosses).extension().string()) != ".vtu")
     throw framehex::io_error(options.crosses + ": crosses are written as .vtu");

@@ -18,6 +18,10 @@ namespace program {
 /// `seconds`, `candidates`, `selection`, `assembly` of a recombination, and `hex_ratio.floor`.
 void add_to(nlohmann::ordered_json& json, const framehex::Recombination& recombination, const Options& options);
 
+/// `seconds`, and `assembly`.
+void add_to(nlohmann::ordered_json& json, const framehex::StageSeconds& seconds);
+void add_to(nlohmann::ordered_json& json, const framehex::AssemblyStatistics& assembly, std::size_t n_given_up);
+
 /// `groups`: names of labels, and how many elements of the mesh each has.
 void add_groups(nlohmann::ordered_json& json, const framehex::MixedMesh& mesh);
 
@@ -34,6 +38,7 @@ void write_report(const Options& options, const nlohmann::ordered_json& json);
 
 /// Refuses, before any work, output that could not be written in the end. @throws io_error.
 void check_outputs(const Options& options);
+void check_report(const Options& options);  // the report alone, and that it takes no other file's place
 
 /// A remark on the input, on standard error, unless nothing but errors is wanted.
 void remark(const Options& options, const std::string& text);

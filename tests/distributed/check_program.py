@@ -67,7 +67,7 @@ def pieces(path, n_ranks):
 
 def cells_and_frames(path, n_ranks, with_frames=True):
     """Cells as tuples of corners' places, and frames by place; and all as one mesh."""
-    cells, frames, points, joined = [], {}, {}, {}
+    cells, frames, points, joined, of_ghosts = [], {}, {}, {}, []
     for piece in pieces(path, n_ranks):
         ids = piece.point_data["GlobalPointIds"]
         for v, p in enumerate(piece.points):
@@ -75,10 +75,14 @@ def cells_and_frames(path, n_ranks, with_frames=True):
                 sys.exit(f"{path}: point {ids[v]} has two places")
             if with_frames and piece.point_data["vtkGhostType"][v] == 0:
                 frames[tuple(p)] = tuple(piece.point_data["frame"][v])
+            elif with_frames:
+                of_ghosts.append((tuple(p), piece.point_data["frame"][v]))
         for block, ghosts in zip(piece.cells, piece.cell_data["vtkGhostType"]):
             for row in block.data[np.asarray(ghosts) == 0]:
                 cells.append((block.type, *(tuple(piece.points[v]) for v in row)))
                 joined.setdefault(block.type, []).append([ids[v] for v in row])
+    for p, frame in of_ghosts:
+        assert np.array_equal(frame, frames[p], equal_nan=True), f"{path}: another frame at the ghost point {p}"
     order = sorted(points)
     place = {v: i for i, v in enumerate(order)}
     mesh = meshio.Mesh(np.array([points[v] for v in order]),
@@ -178,6 +182,64 @@ def check_failures(folder):
     failed(run, folder, keep, "rank 1: ", "vertex 17", "not finite")
 
 
+def check_refused(folder):
+    """What cannot be is said by one line of one rank, before any work; and no file is left."""
+    points, tets = lattice(3)
+    meshio.Mesh(points, [("tetra", tets)]).write(folder / "in.vtu")
+    (folder / "in.pvtu").write_text("<VTKFile type='PUnstructuredGrid'><PUnstructuredGrid><Piece Source='in.vtu'/>"
+                                    "</PUnstructuredGrid></VTKFile>")
+    for output, more, words in (
+            ("out.vtu", (), ("3 ranks would each write it", "out.pvtu")),
+            ("out.pvtu", ("--report", str(folder / "none" / "r.json")), ("r.json: cannot be written",)),
+            ("out.pvtu", ("--report", str(folder / "out.pvtu")), ("the mesh and the report cannot both be",)),
+            ("none/out.pvtu", (), ("out_0.vtu: cannot be written",)),
+            ("out.pvtu", ("--compress",), ("are not for parts of a mesh",)),
+            ("out.pvtu", ("--regions", "matter"), ("in.vtu: has no array by cell \"matter\"",)),
+            ("out.pvtu", ("--no-such-option",), ("not expected: --no-such-option",))):
+        for source in ("in.vtu", "in.pvtu"):
+            run = subprocess.run(command(3, folder / source, folder / output, *more), capture_output=True, text=True)
+            failed(run, folder, {"in.vtu", "in.pvtu"}, *words)
+            assert run.stderr.count("framehex: ") == 1, run.stderr
+    run = subprocess.run([*MPIRUN, "-n", "2", FRAMEHEX, "inspect", str(folder / "in.vtu")], capture_output=True, text=True)
+    failed(run, folder, {"in.vtu", "in.pvtu"}, "2 ranks would each do the same")
+    assert run.stdout == "", run.stdout
+
+
+def check_report(folder):
+    """The report tells what that of one process does; names of regions are in it and in the pieces."""
+    points, tets = lattice(5)
+    labels = (points[tets].mean(1)[:, 0] > 2.5).astype(np.int32)
+    meshio.Mesh(points, [("tetra", tets)], cell_data={"label": [labels]}).write(folder / "in.vtu", binary=False)
+    text = (folder / "in.vtu").read_text()
+    names = "".join(f'<DataArray type="UInt32" Name="regions:{name}" format="ascii">{label}</DataArray>'
+                    for label, name in enumerate(("steel part", "air")))
+    (folder / "in.vtu").write_text(text.replace("<Piece", f"<FieldData>{names}</FieldData><Piece", 1))
+    serial = [FRAMEHEX, "recombine", folder / "in.vtu", "-o", folder / "one.vtu", "--quiet", "--report", folder / "one.json"]
+    subprocess.run(serial, check=True)
+    subprocess.run(command(3, folder / "in.vtu", folder / "out.pvtu", "--part-size", "300", "--report",
+                           str(folder / "out.json")), check=True)
+    one, out = (json.loads((folder / f"{name}.json").read_text()) for name in ("one", "out"))
+    assert out["seconds"].keys() == one["seconds"].keys() and out["seconds"]["assembly"] > 0, out["seconds"]
+    assert out["assembly"].keys() < one["assembly"].keys()
+    assert out["counts"]["vertices"] == len(points) + out["assembly"]["new_vertices"], out["assembly"]
+    subprocess.run(command(2, folder / "in.vtu", folder / "whole.pvtu", "--report", str(folder / "whole.json")), check=True)
+    whole = json.loads((folder / "whole.json").read_text())
+    assert whole["parts"] == 1 and whole["assembly"].keys() == one["assembly"].keys()
+    assert min(whole["seconds"][key] for key in ("search", "selection", "assembly")) > 0, whole["seconds"]
+    assert out["selection"]["value"] <= out["selection"]["bound"] and out["selection"]["chosen"] > 0
+    assert [g["name"] for g in out["groups"]] == [g["name"] for g in one["groups"]] == ["steel part", "air"]
+    assert sum(g["elements"] for g in out["groups"]) == out["counts"]["cells"]
+    for name in re.findall(r'<Piece Source="(.*?)"', (folder / "out.pvtu").read_text()):
+        subprocess.run([FRAMEHEX, "inspect", folder / name, "--report", folder / "piece.json"], check=True,
+                       stdout=subprocess.DEVNULL)
+        groups = json.loads((folder / "piece.json").read_text())["groups"]
+        assert [(g["name"], g["labels"]) for g in groups] == [("steel part", [0]), ("air", [1])], groups
+        for element, numbers in ((b"CellData", b"GlobalCellIds"), (b"PointData", b"GlobalPointIds")):
+            attribute = element + b' GlobalIds="' + numbers + b'"'
+            assert b"<" + attribute in (folder / name).read_bytes()
+            assert b"<P" + attribute in (folder / "out.pvtu").read_bytes()
+
+
 def ranks_below(pid):
     """The processes that mpirun has started, however it was started itself."""
     found = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(pid)], capture_output=True, text=True).stdout
@@ -202,7 +264,8 @@ def check_killed(folder):
 
 
 if __name__ == "__main__":
-    for check in (check_same, check_formats, check_empty_ranks, check_failures, check_killed):
+    for check in (check_same, check_formats, check_empty_ranks, check_failures, check_refused,
+                  check_report, check_killed):
         with tempfile.TemporaryDirectory() as name:
             check(pathlib.Path(name))
         print(check.__name__, "passed")

@@ -15,6 +15,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <functional>
 #include <optional>
 
 using namespace framehex;
@@ -107,6 +108,64 @@ public:
 private:
   rlimit before_{};
 };
+
+/// Text with some of it replaced wherever it stands; of the same length where there are offsets.
+void replace_in(const std::filesystem::path& path, const std::string& what, const std::string& by) {
+  std::string bytes = read_file(path);
+  for (std::size_t at = bytes.find(what); at != bytes.npos; at = bytes.find(what, at + by.size()))
+    bytes.replace(at, what.size(), by);
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// What a piece is before it is written: its mesh, arrays, and the cells of the whole that it has.
+struct PieceToWrite {
+  MixedMesh mesh;
+  MeshData data;
+  std::vector<std::size_t> cells;
+};
+
+/// NAME.pvtu and its pieces NAME0.vtu, NAME1.vtu..., each with so many cells of the mesh. `change` has the last word.
+void write_pieces(const std::filesystem::path& path, const IndexedTetMesh& mesh, std::size_t n,
+                  const std::function<void(std::size_t, PieceToWrite&)>& change) {
+  std::string text = "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid>";
+  for (std::size_t i = 0; i < n; ++i) {
+    PieceToWrite piece;
+    for (std::size_t c = i * mesh.tets.size() / n; c < (i + 1) * mesh.tets.size() / n; ++c) piece.cells.push_back(c);
+    for (const std::size_t c : piece.cells) piece.mesh.add(CellKind::tetrahedron, mesh.tets[c]);
+    piece.mesh.points = mesh.points;
+    change(i, piece);
+    const std::string name = path.stem().string() + std::to_string(i) + ".vtu";
+    write_vtu(path.parent_path() / name, piece.mesh, piece.data);
+    text += "<Piece Source=\"" + name + "\"/>";
+  }
+  std::ofstream(path) << text + "</PUnstructuredGrid></VTKFile>";
+}
+
+/// All ranks' regions, by the number of the cell.
+std::vector<index_t> all_regions(const MpiTransport& transport, const ReadPart& read) {
+  std::vector<std::pair<std::int64_t, index_t>> cells;
+  for (std::size_t c = 0; c < read.regions.size(); ++c) cells.emplace_back(read.part.cell_ids[c], read.regions[c]);
+  cells = distributed::detail::gathered(transport, cells);
+  std::sort(cells.begin(), cells.end());
+  std::vector<index_t> regions;
+  for (const auto& [id, region] : cells) regions.push_back(region);
+  return regions;
+}
+
+/// Two tetrahedra on both sides of a triangle, each in a partition and with the other as a ghost, which is in an entity of
+/// ghosts, without groups: as Gmsh saves it.
+std::string partition_with_ghost(int partition) {
+  const bool first = partition == 1;
+  return "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 7 \"steel part\"\n3 9 \"air\"\n"
+         "$EndPhysicalNames\n$Entities\n0 0 0 2\n1 0 0 0 1 1 1 1 7 0\n"
+         "2 0 0 -1 1 1 0 1 9 0\n$EndEntities\n$PartitionedEntities\n2\n1\n" +
+         std::string(first ? "8 1" : "9 2") + "\n0 0 0 1\n" +
+         (first ? "5 3 1 1 1 0 0 0 1 1 1 1 7 0\n" : "6 3 2 1 2 0 0 -1 1 1 0 1 9 0\n") +
+         "$EndPartitionedEntities\n$Nodes\n1 5 1 5\n3 5 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+         "0 0 -1\n$EndNodes\n$Elements\n2 2 11 12\n3 " +
+         (first ? "5 4 1\n11 1 2 3 4\n3 8 4 1\n12 1 3 2 5\n" : "6 4 1\n12 1 3 2 5\n3 9 4 1\n11 1 2 3 4\n") +
+         "$EndElements\n$GhostElements\n1\n" + (first ? "12 2 1 1" : "11 1 1 2") + "\n$EndGhostElements\n";
+}
 
 }  // namespace
 
@@ -350,4 +409,271 @@ TEST_CASE("an older index goes before pieces take their names", "[regression]") 
   CHECK_THROWS_AS(write_pvtu(folder / "mesh.pvtu", transport, written), remote_error);
   transport.agree();
   CHECK_FALSE(std::filesystem::exists(folder / "mesh.pvtu"));
+}
+
+TEST_CASE("what a label means does not depend on the piece that it stands in", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  // One of them is of no usual number, so that labels are told by their order; pieces have different ones.
+  const std::array<std::int64_t, 4> labels{-1, 5, 9, 9};
+  const auto label_of = [&](std::size_t cell) { return labels[cell * 4 / mesh.tets.size()]; };
+  if (transport.rank() == 0)
+    write_pieces(folder / "mesh.pvtu", mesh, 3, [&](std::size_t, PieceToWrite& piece) {
+      std::vector<std::int64_t> values;
+      for (const std::size_t c : piece.cells) values.push_back(label_of(c));
+      piece.data.cells.push_back({"material", values});
+    });
+  transport.agree();
+  const std::vector<index_t> regions = all_regions(transport, read_parts(folder / "mesh.pvtu", transport, "material"));
+  REQUIRE(regions.size() == mesh.tets.size());
+  for (std::size_t c = 0; c < regions.size(); ++c) {
+    const std::int64_t label = label_of(c);
+    CHECK(regions[c] == (label < 0 ? 0u : label == 5 ? 1u : 2u));
+  }
+  // As without a name for the array, which is another one then: a single region.
+  CHECK(read_parts(folder / "mesh.pvtu", transport).regions.empty());
+  CHECK_THROWS_WITH(read_parts(folder / "mesh.pvtu", transport, "matter"),
+                    Catch::Contains("has no array by cell \"matter\""));
+}
+
+TEST_CASE("labels of pieces lie in one array, or the mesh is refused", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  const auto write = [&](bool second_is_empty) {
+    write_pieces(folder / "mesh.pvtu", mesh, 2, [&](std::size_t i, PieceToWrite& piece) {
+      piece.mesh.regions.assign(piece.cells.size(), static_cast<index_t>(i) + 3);
+      if (i == 1 && second_is_empty) piece.mesh = MixedMesh{};
+    });
+  };
+  for (const std::string other : {"zone\"  ", "whatx\""}) {  // another usual name, and none
+    if (transport.rank() == 0) {
+      write(false);
+      replace_in(folder / "mesh1.vtu", "\"label\"", '"' + other.substr(0, 6));
+    }
+    transport.agree();
+    CHECK_THROWS_WITH(read_parts(folder / "mesh.pvtu", transport),
+                      Catch::Contains("mesh1.vtu: labels of regions lie elsewhere than in") &&
+                          Catch::Contains(other[0] == 'z' ? "it has them in \"zone\"" : "it has no array of integers"));
+    transport.agree();
+  }
+  // A piece without cells need not have labels.
+  if (transport.rank() == 0) {
+    write(true);
+    replace_in(folder / "mesh1.vtu", "\"label\"", "\"xabel\"");
+  }
+  transport.agree();
+  CHECK(read_parts(folder / "mesh.pvtu", transport, "label").part.owners.size() <= mesh.points.size());
+}
+
+TEST_CASE("ghosts of Gmsh's partitions have no say in what labels mean, and names of groups come along",
+          "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  if (transport.rank() == 0)
+    for (const int i : {1, 2}) std::ofstream(folder / ("two_" + std::to_string(i) + ".msh")) << partition_with_ghost(i);
+  transport.agree();
+  const ReadPart read = read_parts(folder / "two.msh", transport);
+  CHECK((all_regions(transport, read) == std::vector<index_t>{6, 8}));
+  REQUIRE(read.groups.size() == 2);
+  CHECK(read.groups[0].name == "steel part");
+  CHECK((read.groups[0].number == 6 && read.groups[0].labels == std::vector<index_t>{6}));
+  CHECK(read.groups[1].name == "air");
+  CHECK_THROWS_WITH(read_parts(folder / "two.msh", transport, "label"), Catch::Contains("has no arrays by cell"));
+}
+
+TEST_CASE("groups that Gmsh makes of partitions are those of the whole mesh", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const std::string names =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n3 7 \"steel\"\n3 10 \"_part{1}_physical{7}_dim{3}\"\n"
+      "3 11 \"_part{2}_physical{7}_dim{3}\"\n3 12 \"_part{2}_physical{0}_dim{3}\"\n$EndPhysicalNames\n$Nodes\n";
+  if (transport.rank() == 0) {
+    std::ofstream(folder / "old_1.msh") << names +
+                                               "4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n"
+                                               "11 4 2 10 1 1 2 3 4\n$EndElements\n";
+    std::ofstream(folder / "old_2.msh") << names +
+                                               "5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n5 0 0 -1\n6 -1 0 0\n$EndNodes\n"
+                                               "$Elements\n2\n12 4 2 11 1 1 3 2 5\n13 4 2 12 1 1 5 6 3\n"
+                                               "$EndElements\n";
+  }
+  transport.agree();
+  const ReadPart read = read_parts(folder / "old.msh", transport);
+  // Labels 7, 7 and none.
+  CHECK((all_regions(transport, read) == std::vector<index_t>{1, 1, 0}));
+  REQUIRE(read.groups.size() == 1);
+  CHECK((read.groups[0].name == "steel" && read.groups[0].labels == std::vector<index_t>{1}));
+}
+
+TEST_CASE("a partition of Gmsh's that has no file is named", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const auto refuses = [&](const std::string& why) {
+    transport.agree();
+    CHECK_THROWS_WITH(read_parts(folder / "two.msh", transport), Catch::Contains(why));
+    transport.agree();
+  };
+  const bool writes = transport.rank() == 0;
+  if (writes) std::ofstream(folder / "two_1.msh") << partition_with_ghost(1);
+  refuses("two_1.msh: is one of 2 partitions, but two_2.msh is missing");
+  if (writes) std::ofstream(folder / "two_3.msh") << partition_with_ghost(2);
+  refuses("two_2.msh: is missing: there is two_3.msh");
+  if (writes) std::ofstream(folder / "two_2.msh") << partition_with_ghost(2);
+  refuses("is one of 2 partitions, but two_3.msh is there, too");
+  // Where there is no head, what elements tell.
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+      "$EndNodes\n$Elements\n1\n11 4 5 0 1 2 1 -2 1 2 3 4\n$EndElements\n";
+  if (writes) {
+    std::filesystem::remove(folder / "two_2.msh");
+    std::filesystem::remove(folder / "two_3.msh");
+    std::ofstream(folder / "two_1.msh") << head;
+  }
+  refuses("two_1.msh: is one of 2 partitions, but two_2.msh is missing");
+}
+
+TEST_CASE("names of regions are those of the files, however these are read", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  MixedMesh whole = with_regions(mesh);
+  whole.groups = {{3, 0, "steel", {0, 2}}, {3, 1, "air & <water>", {1}}, {3, 2, "nowhere", {7}}};
+  const std::array<std::string, 4> names{"mesh.vtu", "mesh.msh", "old.msh", "mesh.pvtu"};
+  if (transport.rank() == 0) {
+    write_vtu(folder / names[0], whole);
+    write_msh(folder / names[1], whole);
+    write_msh2(folder / names[2], whole);
+    write_pieces(folder / names[3], mesh, 3, [&](std::size_t i, PieceToWrite& piece) {
+      for (const std::size_t c : piece.cells) piece.mesh.regions.push_back(whole.regions[c]);
+      piece.mesh.groups = whole.groups;
+      if (i == 1) std::reverse(piece.mesh.groups.begin(), piece.mesh.groups.end());  // the order is the file's affair
+    });
+  }
+  transport.agree();
+  for (const std::string& name : names) {
+    INFO(name);
+    const ReadPart read = read_parts(folder / name, transport);
+    // The serial reader is the judge.
+    const MixedMesh expected = read_mesh(folder / (name == "mesh.pvtu" ? "mesh.vtu" : name));
+    REQUIRE(read.groups.size() == expected.groups.size());
+    for (std::size_t g = 0; g < read.groups.size(); ++g) {
+      CHECK(read.groups[g].name == expected.groups[g].name);
+      CHECK(read.groups[g].number == expected.groups[g].number);
+      CHECK(read.groups[g].labels == expected.groups[g].labels);
+    }
+  }
+}
+
+TEST_CASE("a cell that every piece takes for another's, and a mesh without cells, are refused", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  const auto write = [&](std::size_t n_lost) {
+    write_pieces(folder / "mesh.pvtu", mesh, 2, [&](std::size_t i, PieceToWrite& piece) {
+      // Each has all cells; the first few are nobody's own.
+      piece.mesh = with_regions(mesh);
+      std::vector<std::uint8_t> ghosts(mesh.tets.size());
+      for (std::size_t c = 0; c < ghosts.size(); ++c) ghosts[c] = c < n_lost || c % 2 != i;
+      piece.data.cells.push_back({"vtkGhostType", ghosts});
+    });
+  };
+  if (transport.rank() == 0) write(0);
+  transport.agree();
+  CHECK(all_regions(transport, read_parts(folder / "mesh.pvtu", transport)).size() == mesh.tets.size());
+  if (transport.rank() == 0) write(3);
+  transport.agree();
+  CHECK_THROWS_WITH(read_parts(folder / "mesh.pvtu", transport),
+                    Catch::Contains("cell 0 is marked as a ghost, but no piece has it as its own"));
+  if (transport.rank() == 0)
+    write_pieces(folder / "none.pvtu", mesh, 2, [](std::size_t, PieceToWrite& piece) { piece.mesh = MixedMesh{}; });
+  transport.agree();
+  CHECK_THROWS_WITH(read_parts(folder / "none.pvtu", transport), Catch::Contains("none.pvtu: holds no tetrahedron"));
+}
+
+TEST_CASE("global numbers are those that the attribute GlobalIds names, and are less than 2^62", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  const std::int64_t first = (std::int64_t{1} << 62) - static_cast<std::int64_t>(mesh.points.size());
+  for (const std::int64_t offset : {0, 1}) {
+    if (transport.rank() == 0) {
+      write_pieces(folder / "mesh.pvtu", mesh, 3, [&](std::size_t, PieceToWrite& piece) {
+        std::vector<std::int64_t> points, cells;
+        for (std::size_t v = 0; v < mesh.points.size(); ++v)
+          points.push_back(first + offset + static_cast<std::int64_t>(v));
+        for (const std::size_t c : piece.cells) cells.push_back(100 + static_cast<std::int64_t>(c));
+        piece.data = {.cells = {{"GlobalCellIds", cells}}, .points = {{"GlobalPointIds", points}}};
+      });
+      for (const std::string name : {"mesh0.vtu", "mesh1.vtu", "mesh2.vtu"}) {
+        replace_in(folder / name, "GlobalCellIds", "element names");
+        replace_in(folder / name, "GlobalPointIds", "names of nodes");
+      }
+    }
+    transport.agree();
+    const ReadPart read = read_parts(folder / "mesh.pvtu", transport);
+    for (const std::int64_t id : read.part.vertex_ids) CHECK(id >= first);
+    for (const std::int64_t id : read.part.cell_ids) CHECK(id >= 100);
+    if (offset == 0)
+      distributed::validate(read.part, transport);
+    else
+      CHECK_THROWS_WITH(distributed::validate(read.part, transport),
+                        Catch::Contains("has the global number 4611686018427387904; they are from 0 to 2^62 - 1"));
+    transport.agree();
+  }
+}
+
+TEST_CASE("ghosts have the values of the rank that owns them", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(3);
+  const auto ranks = test::dealings()[1].ranks(mesh, transport.n_ranks());
+  const IndexedPart part = test::part_of(mesh, ranks, transport.rank());
+  const Whole whole(part, mesh, ranks, transport.rank());
+  std::vector<double> places;
+  std::vector<index_t> numbers;
+  for (const Vector3& p : part.mesh.points) places.insert(places.end(), p.data(), p.data() + 3);
+  for (const std::int64_t id : part.cell_ids) numbers.push_back(static_cast<index_t>(id));
+  write_pvtu(folder / "mesh.pvtu", transport, {whole.mesh, part.vertex_ids, part.cell_ids, part.owners, whole.shared},
+             {.cells = {{"number", numbers}}, .points = {{"x", places, 3}}});
+  MeshReadNotes notes;
+  const MixedMesh piece =
+      read_vtu(folder / ("mesh_" + std::to_string(transport.rank()) + ".vtu"), {.arrays = FileArrays::read}, &notes);
+  const auto values = [&](const std::string& name) {
+    const auto at = std::find_if(notes.data.cells.begin(), notes.data.cells.end(),
+                                 [&](const DataArray& a) { return a.name == name; });
+    REQUIRE(at != notes.data.cells.end());
+    return std::get<std::vector<double>>(at->values);
+  };
+  CHECK(values("number") == values("GlobalCellIds"));
+  CHECK(values("number").size() == piece.n_cells());
+  // Places as values are the places.
+  const std::string bytes = read_file(folder / ("mesh_" + std::to_string(transport.rank()) + ".vtu"));
+  const std::string_view points(reinterpret_cast<const char*>(piece.points.data()), 24 * piece.points.size());
+  const std::size_t once = bytes.find(points);
+  REQUIRE(once != bytes.npos);
+  CHECK(bytes.find(points, once + 1) != bytes.npos);
+}
+
+TEST_CASE("pieces of an older mesh of the name go, and no other files", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const SharedFolder folder(transport);
+  const IndexedTetMesh mesh = test::kuhn_lattice(2);
+  const auto ranks = test::dealings()[0].ranks(mesh, transport.n_ranks());
+  const IndexedPart part = test::part_of(mesh, ranks, transport.rank());
+  const Whole whole(part, mesh, ranks, transport.rank());
+  const std::array<std::string, 4> others{"mesh_8.vtu", "a_mesh_7.vtu", "mesh_7.vtu.old", "mesh_07.vtu"};
+  if (transport.rank() == 0) {
+    std::ofstream(folder / "mesh.pvtu") << R"(<Piece Source="mesh_7.vtu"/><Piece Source="mesh_0.vtu"/>)"
+                                        << R"(<Piece Source="a_mesh_7.vtu"/><Piece Source="mesh_7.vtu.old"/>)"
+                                        << R"(<Piece Source="../mesh_8.vtu"/><Piece Source="mesh_07.vtu"/>)";
+    for (const std::string& name : others) std::ofstream(folder / name) << "mine";
+    std::ofstream(folder / "mesh_7.vtu") << "of an older mesh";
+  }
+  transport.agree();
+  write_pvtu(folder / "mesh.pvtu", transport, {whole.mesh, part.vertex_ids, part.cell_ids, part.owners, whole.shared});
+  transport.agree();
+  CHECK_FALSE(std::filesystem::exists(folder / "mesh_7.vtu"));
+  for (const std::string& name : others) CHECK(std::filesystem::exists(folder / name));
+  CHECK(folder.n_files() == static_cast<std::size_t>(transport.n_ranks()) + 1 + others.size());
 }

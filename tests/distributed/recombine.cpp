@@ -151,6 +151,27 @@ TEST_CASE("recombined parts are those of one process, whoever holds which cells,
   }
 }
 
+TEST_CASE("new vertices have the numbers after the greatest, however great that is", "[regression]") {
+  const MpiTransport transport(MPI_COMM_WORLD);
+  const IndexedTetMesh mesh = test::ball_mesh(4);
+  const auto n = static_cast<std::int64_t>(mesh.points.size());
+  for (const int bits : {0, 55, 61}) {  // a double holds 53
+    IndexedPart part = test::part_of(mesh, test::dealings()[0].ranks(mesh, transport.n_ranks()), transport.rank());
+    const std::int64_t first = (std::int64_t{1} << bits) - 1;
+    for (std::int64_t& id : part.vertex_ids) id += first;
+    const PartRecombination result = distributed::recombine(part, transport, {{.part_size = 200}, {}});
+    std::vector<std::int64_t> added;
+    for (index_t v = 0; v < result.vertex_numbers.size(); ++v)
+      if (result.owners[v] == transport.rank() && result.vertex_numbers[v] >= first + n)
+        added.push_back(result.vertex_numbers[v]);
+    added = distributed::detail::gathered(transport, added);
+    std::sort(added.begin(), added.end());
+    REQUIRE_FALSE(added.empty());
+    for (std::size_t i = 0; i < added.size(); ++i) CHECK(added[i] == first + n + static_cast<std::int64_t>(i));
+    check_shared(transport, result);
+  }
+}
+
 TEST_CASE("values find the vertices that have their numbers") {
   const MpiTransport transport(MPI_COMM_WORLD);
   std::vector<std::int64_t> known, wanted;

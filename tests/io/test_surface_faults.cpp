@@ -79,7 +79,8 @@ TEST_CASE("faults of a surface are told by the file's polygons and coordinates, 
              Contains("an edge has more than two triangles") && Contains("from (1, 1, "));
   CHECK_THAT(message_of<nonmanifold>(joined(unit, unit, {1, 1, 1})),
              Contains("itself at a vertex") && Contains("(1, 1, 1)"));
-  CHECK_THAT(message_of<invalid_surface>(joined(unit, unit, {0.5, 0.4, 0.3})), Contains("bodies overlap or touch"));
+  CHECK_THAT(message_of<invalid_surface>(joined(unit, unit, {0.5, 0.4, 0.3})),
+             Contains("overlapping or touching bodies"));
   IndexedTriangleMesh crossing = test::box_surface({1, 1, 1}, 2, 2, 2);
   for (Vector3& p : crossing.points)
     if (p.isApprox(Vector3(0.5, 0.5, 1))) p.z() = -0.5;  // through the floor
@@ -158,4 +159,9 @@ TEST_CASE("repair leaves alone what is closed, and says where it cannot close") 
   SurfaceSoup walls = soup_of(joined(unit, mirrored, {0, 0, 0}));
   CHECK(repair_soup(walls).n_repeated == 4);
   CHECK(std::abs(enclosed_volume(surface_of_soup(walls).surface)) == Approx(2));
+  // Or it stays, once.
+  walls = soup_of(joined(unit, mirrored, {0, 0, 0}));
+  const SoupRepair divided = repair_soup(walls, 1e-4, TouchingFaces::divided);
+  CHECK((divided.closed && divided.n_repeated == 2 && divided.weld_tolerance == 0));
+  CHECK_NOTHROW(check_complex(surface_of_soup(walls)));
 }

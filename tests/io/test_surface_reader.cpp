@@ -416,6 +416,19 @@ TEST_CASE("vertices that no triangle uses are left out") {
   }
 }
 
+TEST_CASE("vertices that no triangle uses take no place of those that some do, not even NaN", "[regression]") {
+  const IndexedTriangleMesh box = test::box_surface({1, 1, 1}, 2, 2, 2);
+  for (std::size_t k = 0; k < box.points.size(); ++k)
+    for (int axis = 0; axis < 3; ++axis) {
+      IndexedTriangleMesh soup = box;
+      soup.points.insert(soup.points.begin(), box.points[k]);
+      soup.points[0][axis] = std::nan("");
+      for (auto& t : soup.triangles)
+        for (index_t& v : t) ++v;
+      CHECK(surface_of_soup(soup).surface.points == box.points);
+    }
+}
+
 TEST_CASE("a polygon of a vertex that the file does not have is refused with file and polygon") {
   const test::TemporaryFolder folder;
   const IndexedTriangleMesh box = test::box_surface({1, 1, 1});

@@ -408,6 +408,20 @@ TEST_CASE("where a lattice has holes or is lost there are as many hexahedra as w
   CHECK(seen == std::set{PointOrder::smoothness, PointOrder::lattice});
 }
 
+TEST_CASE(
+    "where one layer of a lattice is refused in a wall, steps no longer than the size leave more hexahedra than fronts",
+    "[regression]") {
+  const IndexedTriangleMesh wing = test::read_ply(FRAMEHEX_TEST_DATA "/naca.ply");
+  MeshingOptions options{.recombination = {.assembly = {.fit = CellFit::finite_volume}}};
+  const MeshingResult lattice = mesh_surface(wing, Constant{0.064}, TetgenProcess{}, options);
+  options.order = PointOrder::smoothness;
+  const MeshingResult fronts = mesh_surface(wing, Constant{0.064}, TetgenProcess{}, options);
+  CHECK(lattice.statistics.order == PointOrder::lattice);
+  CHECK(lattice.recombination.assembly.n_unfit == 0);
+  CHECK(detail::share_of_hexahedra(lattice.recombination.mesh) >
+        detail::share_of_hexahedra(fronts.recombination.mesh) + 0.02);
+}
+
 TEST_CASE("meshing a surface is heard of all the time", "[pipeline][progress]") {
   const IndexedTriangleMesh bunny = test::read_stl(FRAMEHEX_TEST_DATA "/bunny.stl");
   test::Listener listener;

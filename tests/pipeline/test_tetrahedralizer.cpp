@@ -205,6 +205,19 @@ TEST_CASE("points that come back in another order are refused, however small the
   }
 }
 
+TEST_CASE("a tetgen that fails though nothing crosses is asked to take the points in another order", "[regression]") {
+  const Cube cube;
+  const test::TemporaryFolder folder;
+  const auto program = folder.write("lost-tetgen",
+                                    "#!/bin/sh\necho \"$1\" >> \"$0.asked\"\n"
+                                    "case \"$1\" in *b0) exec tetgen \"$@\";; *) kill -ABRT $$;; esac\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const auto asked = tetrahedralize(TetgenProcess{.program = program.string()}, cube.surface, cube.interior);
+  CHECK(asked.mesh.tets.size() >= 5 * 27);
+  CHECK(detail::read_text(folder / "lost-tetgen.asked") ==
+        TetgenProcess{}.switches + "\n-dBF\n" + TetgenProcess{}.switches + "b0\n");
+}
+
 TEST_CASE("points that a tetrahedraliser added and does not use are forgotten, those that it uses are counted",
           "[regression]") {
   const Cube cube;

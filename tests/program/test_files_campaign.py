@@ -61,6 +61,15 @@ class TestFilesCampaign(unittest.TestCase):
         again = self.run_campaign(self.stand_in("sys.exit('is not run')"))
         self.assertEqual(again.stdout, first.stdout)
 
+    def test_folders_of_more_files(self):
+        more = self.folder / "more"
+        more.mkdir()
+        (self.files / "cube.off").write_text(CUBE)
+        (more / "open.off").write_text(CUBE.replace("8 6 0", "8 5 0"))
+        result = self.run_campaign(PROGRAM, "--also", more)
+        verdicts = [line.split()[:2] for line in result.stdout.splitlines()[:2]]
+        self.assertEqual(verdicts, [["meshed", "cube.off"], ["refused", "open.off"]])
+
     def test_what_goes_wrong_is_told(self):
         (self.files / "cube.off").write_text(CUBE)
         report = {"quality": {"invalid_cells": [], "least": 1}, "counts": {"cells": 1},

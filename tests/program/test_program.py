@@ -245,7 +245,7 @@ class TestBadSurfaces(Case):
         points, triangles = box()
         other, _ = box(origin=(0.5, 0.4, 0.3))
         write_stl(self.path("crossing.stl"), points + other, triangles + [tuple(i + 8 for i in t) for t in triangles])
-        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"), "bodies overlap",
+        self.check_refused(self.mesh("crossing.stl", "--size", "0.25"), self.path("crossing.stl"), "overlapping or touching bodies",
                            "polygon 2 and polygon", "near (", "more")
 
     def test_repair(self):
@@ -292,6 +292,20 @@ class TestBadSurfaces(Case):
                 volume = audit(self.path("out.vtu"))["volume"]
                 self.assertAlmostEqual(volume, 1.99, delta=0.0101 if n_merged else 1e-9)
         self.assertEqual(audit(self.path("out.vtu"))["counts"], {"hexahedron": 16})
+
+    def test_the_poorest_cell_is_named(self):
+        # A step of a ten-thousandth on one side of a box.
+        profile = [(0, 0), (1, 0), (1, 1), (0.9999, 1), (0.9999, 2), (0, 2)]
+        n = len(profile)
+        points = [(x, y, z) for z in (0, 1) for x, y in profile]
+        triangles = [t for i in range(1, n - 1) for t in ((0, i + 1, i), (n, n + i, n + i + 1))]
+        triangles += [t for i in range(n) for j in [(i + 1) % n] for t in ((i, j, n + j), (i, n + j, n + i))]
+        write_stl(self.path("step.stl"), points, triangles)
+        result = self.mesh("step.stl", "--size", "0.5", "--least-feature", "0")
+        self.assertEqual(result.returncode, 0, result)
+        poor = json.loads((self.folder / "out.json").read_text())["quality"]["poor_cells"]
+        poorest = min(poor, key=lambda cell: cell["scaled_jacobian"])
+        self.assertIn("{:.2g} near ({:.4g}, {:.4g}, {:.4g})".format(poorest["scaled_jacobian"], *poorest["place"]), result.stderr)
 
     def test_size(self):
         write_stl(self.path("box.stl"), *box())
@@ -393,6 +407,19 @@ class TestBadOutput(Case):
         self.assertEqual(json.loads(piped.stdout)["counts"]["hexahedra"], 8)
         (self.folder / "out.vtu").unlink()
         self.check_refused(self.run_program("field", self.path("tets.vtk"), "-o", self.path("out.msh")), "out.msh")
+
+    def test_several_ranks(self):
+        """Started by mpirun, with MPI or without, the first says that all would write one file; the others say nothing."""
+        for name in ("OMPI_COMM_WORLD", "PMI"):
+            first, second = (dict(os.environ, **{f"{name}_SIZE": "2", f"{name}_RANK": str(rank)}) for rank in (0, 1))
+            self.check_refused(self.recombine(self.path("out.vtu"), env=first), "2 ranks would each write it", "out.pvtu")
+            self.check_refused(self.run_program("inspect", self.path("tets.vtk"), env=first), "2 ranks would each do")
+            silent = self.recombine(self.path("out.vtu"), env=second)
+            self.assertEqual((silent.returncode, silent.stdout, silent.stderr), (0, "", ""))
+            self.assertFalse((self.folder / "out.vtu").exists())
+            alone = self.recombine(self.path("out.vtu"), env=dict(first, **{f"{name}_SIZE": "1"}))
+            self.assertEqual(alone.returncode, 0)
+            (self.folder / "out.vtu").unlink()
 
     def test_no_permission(self):
         self.folder.chmod(0o555)
@@ -740,6 +767,34 @@ class TestBodies(Case):
             self.assertEqual(found["counts"], {"hexahedron": 16})
             self.assertEqual(len(found["boundary"]), 40)
             os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+
+    def test_boxes_that_touch_in_an_edge_are_meshed_at_every_size(self):
+        points, triangles = box()
+        write_stl(self.path("two.stl"), points + box(origin=(1, 1, 0))[0], triangles + [tuple(i + 8 for i in t) for t in triangles])
+        for n in (10, 60, 100, 130, 200):
+            with self.subTest(n):
+                result = self.mesh("two.stl", "--cells", str(n), "--bodies", "regions")
+                self.assertEqual(result.returncode, 0, result)
+                self.check_regions([1, 1])
+                os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
+
+    def test_repair_makes_regions_of_bodies_that_touch(self):
+        points, triangles = box()
+        again = [tuple(i + 8 for i in t) for t in triangles]
+        a, b, c = triangles[0]
+        middle = tuple((x + y) / 2 for x, y in zip(points[a], points[c]))
+        for name, at in (("an edge", (1, 1, 0)), ("a vertex", (1, 1, 1)), ("a face", (1, 0, 0))):
+            for bodies in ([], ["--bodies", "regions"]):
+                become_one = name == "a face" and not bodies
+                with self.subTest(name, bodies=bodies):
+                    write_stl(self.path("two.stl"), points + box(origin=at)[0] + [middle], triangles[1:] + again + [(a, b, 16), (b, c, 16)])
+                    self.check_refused(self.mesh("two.stl", "--size", "0.5"), "two.stl")
+                    result = self.mesh("two.stl", "--size", "0.5", "--repair", *bodies)
+                    self.assertEqual(result.returncode, 0, result)
+                    self.assertIn("edges were split", result.stderr)
+                    self.assertEqual("each is a region" in result.stderr, not bodies and not become_one, result.stderr)
+                    self.check_regions([2] if become_one else [1, 1])
+                    os.remove(self.path("out.vtu")), os.remove(self.path("out.json"))
 
     def check_regions(self, volumes):
         out = read(self.path("out.vtu"))

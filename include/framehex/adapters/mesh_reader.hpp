@@ -86,10 +86,11 @@ inline SoupSurface read_any_surface(const std::filesystem::path& path, const Mes
 /// `read_any_surface` after `repair_soup`; see `read_surface_repaired`.
 inline SoupSurface read_any_surface_repaired(const std::filesystem::path& path, double largest_tolerance,
                                              SoupRepair& repair, const MeshReadOptions& options = {},
-                                             MeshReadNotes* notes = nullptr) {
+                                             MeshReadNotes* notes = nullptr,
+                                             TouchingFaces touching = TouchingFaces::opened) {
   return detail::with_file_name(path, [&] {
     SurfaceSoup soup = read_any_surface_soup(path, options, notes);
-    repair = repair_soup(soup, largest_tolerance);
+    repair = repair_soup(soup, largest_tolerance, touching);
     return surface_of_soup(soup);
   });
 }

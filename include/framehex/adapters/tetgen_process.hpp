@@ -256,29 +256,41 @@ struct TetgenProcess {
     // All points in one file: given apart, to be inserted afterwards (switch i), they make TetGen crash now and then.
     detail::write_nodes(file("surface.node"), request.points);
     detail::write_facets(file("surface.smesh"), request.points, request.triangles);
-    const int exit =
-        detail::run_process({program, switches, file("surface.smesh").string()}, file("log"), request.observer);
-    if (exit == -1) return {.tets = {}, .extra_points = {}, .status = Status::cancelled};
-    const bool missing = exit == -2 || exit == 127;
-    if (missing)
-      throw tetrahedralization_error("the program '" + program +
-                                     "' is not on the PATH; install it (Debian: apt-get install tetgen)");
-    if (exit != 0 || !std::filesystem::exists(file("surface.1.ele"))) refuse(request, folder.path());
+    Ending ending = run(switches, folder.path(), request.observer);
+    if (ending == Ending::failed) {
+      check_crossings(request, folder.path());
+      // The search for where a point lies fails now and then, among points of a lattice; not if they come in other order.
+      ending = run(switches + "b0", folder.path(), request.observer);
+    }
+    if (ending == Ending::stopped) return {.tets = {}, .extra_points = {}, .status = Status::cancelled};
+    if (ending == Ending::failed)
+      throw invalid_surface(
+          "tetgen refuses the surface, but names no triangles that cross: parts of it may touch or coincide");
     return read(request, file("surface.1.node"), file("surface.1.ele"));
   }
 
 private:
+  enum class Ending { done, failed, stopped };
+
+  Ending run(const std::string& how, const std::filesystem::path& folder, const Observer& observer) const {
+    const int exit = detail::run_process({program, how, (folder / "surface.smesh").string()}, folder / "log", observer);
+    if (exit == -2 || exit == 127)
+      throw tetrahedralization_error("the program '" + program +
+                                     "' is not on the PATH; install it (Debian: apt-get install tetgen)");
+    if (exit == -1) return Ending::stopped;
+    return exit == 0 && std::filesystem::exists(folder / "surface.1.ele") ? Ending::done : Ending::failed;
+  }
+
   /// TetGen aborts without a word on a surface that crosses itself; asked to look for just that, it names the
   /// triangles.
-  [[noreturn]] void refuse(const TetrahedralizationRequest& request, const std::filesystem::path& folder) const {
+  void check_crossings(const TetrahedralizationRequest& request, const std::filesystem::path& folder) const {
     detail::run_process({program, "-dBF", (folder / "surface.smesh").string()}, folder / "log", {});
     const std::string log = detail::read_text(folder / "log");
     const std::size_t at = log.find("at triangles:");
     std::array<index_t, 3> a{}, b{};
     if (at == std::string::npos || std::sscanf(log.c_str() + at, "at triangles: ( %u, %u, %u) and ( %u, %u, %u", &a[0],
                                                &a[1], &a[2], &b[0], &b[1], &b[2]) != 6)
-      throw invalid_surface(
-          "tetgen refuses the surface, but names no triangles that cross: parts of it may touch or coincide");
+      return;
     const std::size_t i = triangle_of(request, a), j = triangle_of(request, b);
     throw invalid_surface("the surface crosses itself at triangles " + std::to_string(i) + " and " + std::to_string(j),
                           Entity::triangle, {i, j});

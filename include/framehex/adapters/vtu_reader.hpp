@@ -14,9 +14,11 @@ namespace framehex {
 
 /// What the piece of a parallel file says beyond its mesh, by point and by cell of the volume; empty: nothing.
 struct VtuPieceArrays {
-  std::vector<std::int64_t> point_numbers;  ///< the array GlobalPointIds
-  std::vector<std::int64_t> cell_numbers;   ///< the array GlobalCellIds
+  std::vector<std::int64_t> point_numbers;  ///< the array that the attribute GlobalIds names, or GlobalPointIds
+  std::vector<std::int64_t> cell_numbers;   ///< the same, or GlobalCellIds
   std::vector<std::int64_t> ghosts;         ///< the array vtkGhostType: not 0 where another piece has the cell
+  RawLabels labels;
+  std::string label_array;  ///< that they come from; empty: none
 };
 
 namespace detail {
@@ -40,7 +42,11 @@ public:
     read_encoding(root);
     const pugi::xml_node grid = root.child("UnstructuredGrid");
     if (!grid.child("Piece")) fail("holds no Piece");
-    choose_labels(grid.child("Piece"), options, notes);
+    const auto pieces = grid.children("Piece");
+    const bool has_cells = std::any_of(pieces.begin(), pieces.end(), [](pugi::xml_node piece) {
+      return piece.attribute("NumberOfCells").as_ullong() > 0;
+    });
+    if (has_cells || options.volume == Volume::required) choose_labels(grid.child("Piece"), options, notes);
     read_names(grid.child("FieldData"));
     lengths_ = lengths;
     arrays_ = arrays;
@@ -48,7 +54,7 @@ public:
     if (lengths_)
       lengths_->array =
           choose_length_array(name_, array_names(grid.child("Piece").child("PointData")), lengths_->wanted);
-    for (const pugi::xml_node piece : grid.children("Piece")) read_piece(piece);
+    for (const pugi::xml_node piece : pieces) read_piece(piece);
     return builder_.finish(options.volume);
   }
 
@@ -176,12 +182,18 @@ private:
     numbers.insert(numbers.end(), read.begin(), read.end());
   }
 
+  /// The array of the global numbers: VTK has an attribute that tells its name.
+  static const char* numbers_name(pugi::xml_node data, const char* usual) {
+    return data.attribute("GlobalIds").as_string(usual);
+  }
+
   void read_arrays(pugi::xml_node piece, std::size_t n_points, const std::vector<std::int64_t>& types) {
-    read_numbers(piece.child("PointData"), "GlobalPointIds", n_points, arrays_->point_numbers);
-    for (const auto& [name, numbers] :
-         {std::pair("GlobalCellIds", &arrays_->cell_numbers), std::pair("vtkGhostType", &arrays_->ghosts)}) {
+    const pugi::xml_node points = piece.child("PointData"), cells = piece.child("CellData");
+    read_numbers(points, numbers_name(points, "GlobalPointIds"), n_points, arrays_->point_numbers);
+    for (const auto& [name, numbers] : {std::pair(numbers_name(cells, "GlobalCellIds"), &arrays_->cell_numbers),
+                                        std::pair("vtkGhostType", &arrays_->ghosts)}) {
       std::vector<std::int64_t> all;
-      read_numbers(piece.child("CellData"), name, types.size(), all);
+      read_numbers(cells, name, types.size(), all);
       for (std::size_t c = 0; c < all.size(); ++c)
         if (types[c] >= vtk::tetrahedron && types[c] <= vtk::pyramid) numbers->push_back(all[c]);
     }
@@ -317,7 +329,12 @@ inline MixedMesh read_vtu_with(const std::filesystem::path& path, const MeshRead
                                PointLengths* lengths = nullptr, VtuPieceArrays* arrays = nullptr) {
   const std::string bytes = read_file(path);
   MeshBuilder builder(path.string(), 0);
-  return VtuReader(path.string(), bytes, builder).read(options, notes, lengths, arrays);
+  MixedMesh mesh = VtuReader(path.string(), bytes, builder).read(options, notes, lengths, arrays);
+  if (arrays) {
+    arrays->labels = builder.raw_labels();
+    arrays->label_array = notes.label_array;
+  }
+  return mesh;
 }
 
 }  // namespace detail
@@ -340,10 +357,13 @@ inline MixedMesh read_vtu(const std::filesystem::path& path, const MeshReadOptio
 
 /// Reads a piece of a parallel file, which may hold no cell.
 ///
+/// @param regions  array by cell that holds the labels, which a piece without cells need not have; empty: one of the usual
+///                 names.
 /// @throws as `read_vtu`.
-inline MixedMesh read_vtu_piece(const std::filesystem::path& path, VtuPieceArrays& arrays) {
+inline MixedMesh read_vtu_piece(const std::filesystem::path& path, VtuPieceArrays& arrays,
+                                const std::string& regions = {}) {
   MeshReadNotes ignored;
-  return detail::read_vtu_with(path, {.volume = Volume::optional}, ignored, nullptr, &arrays);
+  return detail::read_vtu_with(path, {.volume = Volume::optional, .regions = regions}, ignored, nullptr, &arrays);
 }
 
 /// Reads a mesh of any cells, or of faces alone, and the lengths that an array by point of it holds.

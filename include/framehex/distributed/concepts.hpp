@@ -12,8 +12,8 @@ namespace framehex::distributed {
 /// the part that lies on this rank: its cells, and all their vertices.
 /// @code
 /// template <> struct framehex::distributed::distribution_traits<MyPart> {
-///   static std::int64_t global_vertex(const MyPart&, vertex_type);  // >= 0, the same number on all ranks that have it
-///   static std::int64_t global_cell(const MyPart&, cell_type);      // >= 0, on one rank only
+///   static std::int64_t global_vertex(const MyPart&, vertex_type);  // >= 0, < 2^62, the same number on all ranks that have it
+///   static std::int64_t global_cell(const MyPart&, cell_type);      // the same range, on one rank only
 ///   static int owner(const MyPart&, vertex_type);                   // rank; it must have the vertex itself
 /// };
 /// @endcode

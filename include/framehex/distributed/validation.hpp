@@ -29,21 +29,14 @@ inline std::string vertex_name(std::size_t v, std::int64_t id) {
 
 /// @throws invalid_connectivity  for what is wrong with the numbers without a look at other ranks.
 inline void check_own_numbers(const IndexedPart& part, int n_ranks) {
+  framehex::detail::check_numbers(part.vertex_ids, Entity::vertex);
+  framehex::detail::check_numbers(part.cell_ids, Entity::cell);
   for (std::size_t v = 0; v < part.vertex_ids.size(); ++v) {
-    if (part.vertex_ids[v] < 0)
-      throw invalid_connectivity(
-          "vertex " + std::to_string(v) + " has the global number " + std::to_string(part.vertex_ids[v]),
-          Entity::vertex, {v});
     if (part.owners[v] < 0 || part.owners[v] >= n_ranks)
       throw invalid_connectivity(vertex_name(v, part.vertex_ids[v]) + " has the owner " +
                                      std::to_string(part.owners[v]) + " of " + std::to_string(n_ranks) + " ranks",
                                  Entity::vertex, {v});
   }
-  for (std::size_t c = 0; c < part.cell_ids.size(); ++c)
-    if (part.cell_ids[c] < 0)
-      throw invalid_connectivity(
-          "cell " + std::to_string(c) + " has the global number " + std::to_string(part.cell_ids[c]), Entity::cell,
-          {c});
 }
 
 /// Checks numbers against those of other ranks, at a rank that follows from the number.
@@ -155,7 +148,7 @@ IndexedPart validated_part(const M& mesh, const MpiTransport& transport) {
 /// numbers, owners and coordinates. Collective.
 ///
 /// @throws remote_error  on all ranks, with the vertex or cell in the numbers of the rank it names: what
-///         `framehex::validate` throws there; a number that is negative or given twice; an owner that is no rank, does
+///         `framehex::validate` throws there; a number that is negative, 2^62 or more, or given twice; an owner that is no rank, does
 ///         not have the vertex, or is another on another rank; coordinates that differ between ranks.
 /// @par Complexity   O(n) of the part; each vertex and cell is sent to one rank, in two exchanges.
 template <DistributedTetMesh M>

@@ -16,6 +16,19 @@
 
 namespace framehex {
 
+/// A name of a label, as a file tells it.
+struct LabelName {
+  int dimension;
+  std::int64_t group, label;
+  std::string name;
+};
+
+/// Labels as a file tells them, for those who number them together with those of other files.
+struct RawLabels {
+  std::vector<std::int64_t> cells;  ///< by cell of the volume
+  std::vector<LabelName> names;
+};
+
 namespace detail {
 
 /// Labels as they are counted here, from 0: as in the file but for the usual first number, or by rank where some are out
@@ -40,6 +53,29 @@ private:
   std::vector<std::int64_t> values_;  // ascending
   bool usual_;
 };
+
+/// The groups that the names of a mesh's labels make; names of labels that it has not are left out.
+///
+/// @param names   each once. @param number  of the labels, by dimension. @param first_label  the smallest usual group.
+inline std::vector<LabelGroup> groups_of(std::vector<LabelName> names, const std::array<LabelNumbers, 4>& number,
+                                         std::int64_t first_label) {
+  std::stable_sort(names.begin(), names.end(), [](const LabelName& a, const LabelName& b) {
+    return std::tie(a.dimension, a.group, a.label) < std::tie(b.dimension, b.group, b.label);
+  });
+  std::vector<std::int64_t> numbers;
+  for (const LabelName& name : names) numbers.push_back(name.group);
+  const LabelNumbers group_number(numbers, first_label);
+  std::vector<LabelGroup> groups;
+  for (const LabelName& name : names) {
+    const LabelNumbers& label = number[static_cast<std::size_t>(name.dimension)];
+    if (!label.contains(name.label)) continue;
+    const index_t group = group_number(name.group);
+    if (groups.empty() || groups.back().dimension != name.dimension || groups.back().number != group)
+      groups.push_back({name.dimension, group, name.name, {}});
+    groups.back().labels.push_back(label(name.label));
+  }
+  return groups;
+}
 
 /// Voxels and pixels count corners along x first, then y, then z.
 template <std::size_t N>
@@ -156,6 +192,9 @@ public:
     return std::move(mesh_);
   }
 
+  /// As they stand in the file; before and after `finish`.
+  RawLabels raw_labels() const { return {labels_[3], names_}; }
+
 private:
   /// VTK's manual and the programs that write its files disagree about prisms: if all of them together are inside out,
   /// the file follows the other convention.
@@ -185,38 +224,14 @@ private:
     // A single region without a number of its own is none.
     if (std::all_of(mesh_.regions.begin(), mesh_.regions.end(), [](index_t r) { return r == 0; }))
       mesh_.regions.clear();
-    std::stable_sort(names_.begin(), names_.end(), [](const Name& a, const Name& b) {
-      return std::tie(a.dimension, a.group, a.label) < std::tie(b.dimension, b.group, b.label);
-    });
-    const LabelNumbers groups(group_numbers(), first_label_);
-    for (const Name& name : names_) {
-      const LabelNumbers& label = number[static_cast<std::size_t>(name.dimension)];
-      if (!label.contains(name.label)) continue;
-      const index_t group = groups(name.group);
-      if (mesh_.groups.empty() || mesh_.groups.back().dimension != name.dimension ||
-          mesh_.groups.back().number != group)
-        mesh_.groups.push_back({name.dimension, group, name.name, {}});
-      mesh_.groups.back().labels.push_back(label(name.label));
-    }
+    mesh_.groups = groups_of(names_, number, first_label_);
   }
-
-  std::vector<std::int64_t> group_numbers() const {
-    std::vector<std::int64_t> numbers;
-    for (const Name& name : names_) numbers.push_back(name.group);
-    return numbers;
-  }
-
-  struct Name {
-    int dimension;
-    std::int64_t group, label;
-    std::string name;
-  };
 
   std::string name_;
   std::int64_t first_label_;
   MixedMesh mesh_;
   std::array<std::vector<std::int64_t>, 4> labels_;  // by dimension
-  std::vector<Name> names_;
+  std::vector<LabelName> names_;
   std::int64_t greatest_ = -1;
   std::size_t greatest_user_ = 0;
 };

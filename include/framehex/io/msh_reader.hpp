@@ -4,6 +4,7 @@
 #include "framehex/io/input_file.hpp"
 #include "framehex/io/mesh_builder.hpp"
 
+#include <charconv>
 #include <limits>
 #include <map>
 #include <set>
@@ -21,6 +22,9 @@ struct MshPieceArrays {
   std::vector<std::int64_t> point_numbers;  ///< by point
   std::vector<std::int64_t> cell_numbers;   ///< by cell of the volume
   std::vector<Ghost> ghosts;
+  RawLabels labels;
+  std::size_t n_partitions = 0;         ///< of the whole mesh, where the file tells (4.1)
+  std::int64_t greatest_partition = 0;  ///< that an element is told to belong to (2.2)
 };
 
 namespace detail {
@@ -153,9 +157,41 @@ private:
       const std::string_view line = in_.line();
       const std::size_t begin = line.find('"'), end = line.rfind('"');
       if (begin == line.npos || end == begin) in_.fail("a name in quotes should stand here");
-      names_[{dimension, group}] = line.substr(begin + 1, end - begin - 1);
+      const std::string_view name = line.substr(begin + 1, end - begin - 1);
+      if (name.starts_with("_part{"))
+        groups_of_part_[{dimension, group}] = groups_in(name);
+      else
+        names_[{dimension, group}] = name;
     }
     end_section("$EndPhysicalNames");
+  }
+
+  /// The groups of the whole mesh that one of a partition stands for, by its name: "_part{1}_physical{7}_dim{3}".
+  static std::vector<std::int64_t> groups_in(std::string_view name) {
+    constexpr std::string_view key = "_physical{";
+    std::vector<std::int64_t> groups;
+    const std::size_t found = name.find(key);
+    const char *at = name.data() + (found == name.npos ? name.size() : found + key.size()), *const end = name.data() +
+                                                                                                         name.size();
+    for (std::int64_t group = 0; at < end; ++at) {
+      const auto read = std::from_chars(at, end, group);
+      if (read.ec != std::errc()) break;
+      if (group != 0) groups.push_back(group);
+      at = read.ptr;
+      if (at == end || *at != ',') break;
+    }
+    return groups;
+  }
+
+  /// Groups with those of partitions replaced: which partition something is in is not what it is.
+  std::vector<std::int64_t> of_whole(int dimension, const std::vector<std::int64_t>& groups) const {
+    std::set<std::int64_t> whole;
+    for (const std::int64_t group : groups)
+      if (const auto of_part = groups_of_part_.find({dimension, group}); of_part != groups_of_part_.end())
+        whole.insert(of_part->second.begin(), of_part->second.end());
+      else
+        whole.insert(group);
+    return {whole.begin(), whole.end()};
   }
 
   void add_names(int dimension, std::int64_t label, const std::vector<std::int64_t>& groups) {
@@ -237,6 +273,12 @@ private:
         for (std::int64_t t = 0; t < n_tags; ++t) {
           const std::int64_t tag = get_int("a tag");
           if (t == 0) label = tag;
+          // The third tells how many partitions follow; those that the element is a ghost in are negative.
+          if (t > 2 && arrays_) arrays_->greatest_partition = std::max(arrays_->greatest_partition, std::abs(tag));
+        }
+        if (!groups_of_part_.empty()) {
+          const std::vector<std::int64_t> groups = of_whole(type.dimension, {label});
+          label = groups.empty() ? 0 : groups[0];
         }
         for (std::size_t c = 0; c < type.n_corners; ++c) corners[c] = get_int("a node");
         add_element(type, std::span(corners).first(type.n_corners), label, number);
@@ -249,7 +291,8 @@ private:
   void read_entities_4(std::string_view section) {
     const bool in_parts = section == "$PartitionedEntities";
     if (in_parts) {
-      get_size("the number of partitions");
+      const std::uint64_t n_partitions = get_size("the number of partitions");
+      if (arrays_) arrays_->n_partitions = n_partitions;
       const std::size_t n_ghosts = get_count("the number of ghost entities");
       for (std::size_t i = 0; i < 2 * n_ghosts; ++i) get_int("a ghost entity");
     }
@@ -263,6 +306,7 @@ private:
         std::vector<std::int64_t>& groups = groups_[{dimension, tag}];
         groups.resize(get_count("the number of physical groups"));
         for (std::int64_t& group : groups) group = std::abs(get_int("a physical group"));  // the sign is an orientation
+        if (!groups_of_part_.empty()) groups = of_whole(dimension, groups);
         if (dimension == 0) continue;
         const std::size_t n_bounding = get_count("the number of bounding entities");
         for (std::size_t b = 0; b < n_bounding; ++b) get_int("a bounding entity");
@@ -415,6 +459,7 @@ private:
   std::unordered_map<std::int64_t, std::int64_t> index_of_tag_;
   using Key = std::pair<int, std::int64_t>;                                            // dimension and number
   std::map<Key, std::string> names_;                                                   // of physical groups
+  std::map<Key, std::vector<std::int64_t>> groups_of_part_;                            // see groups_in
   std::map<Key, std::vector<std::int64_t>> groups_;                                    // of entities
   std::map<std::pair<int, std::vector<std::int64_t>>, std::int64_t> label_of_groups_;  // dimension and groups
   std::map<Key, std::int64_t> label_of_entity_;
@@ -443,7 +488,9 @@ inline MixedMesh read_msh(const std::filesystem::path& path, Volume volume = Vol
 inline MixedMesh read_msh_piece(const std::filesystem::path& path, MshPieceArrays& arrays) {
   const std::string bytes = read_file(path);
   detail::MeshBuilder builder(path.string(), 1);
-  return detail::MshReader(path.string(), bytes, builder).read(Volume::optional, &arrays);
+  MixedMesh mesh = detail::MshReader(path.string(), bytes, builder).read(Volume::optional, &arrays);
+  arrays.labels = builder.raw_labels();
+  return mesh;
 }
 
 }  // namespace framehex

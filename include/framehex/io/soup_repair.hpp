@@ -13,11 +13,17 @@ struct SoupRepair {
   bool closed = false;         ///< in the end
 };
 
+/// What becomes of faces in which two bodies stand face to face, cut into the same triangles.
+enum class TouchingFaces {
+  opened,   ///< both go: the bodies become one
+  divided,  ///< one stays, between the two
+};
+
 namespace detail {
 
 class SoupRepairer {
 public:
-  explicit SoupRepairer(SurfaceSoup& soup) : soup_(soup) {}
+  SoupRepairer(SurfaceSoup& soup, TouchingFaces touching) : soup_(soup), touching_(touching) {}
 
   SoupRepair run(double largest_tolerance) {
     Eigen::AlignedBox3d box;
@@ -33,13 +39,21 @@ public:
       weld_vertices(tolerance * size);
       drop_repeated();
       split_edges(std::max(tolerance, 1e-9) * size);
-      report_.closed = EdgeUses(soup_.mesh).closed();
+      report_.closed = is_closed();
       if (report_.closed) break;
     }
     return report_;
   }
 
 private:
+  bool is_closed() const {
+    const EdgeUses edges(soup_.mesh);
+    if (touching_ == TouchingFaces::opened) return edges.closed();
+    bool closed = true;
+    edges.for_each_edge([&](std::size_t i, std::size_t j) { closed &= j - i > 1; });
+    return closed;
+  }
+
   void keep(const std::vector<index_t>& triangles) {
     std::vector<index_t> polygons, patches;
     for (const index_t t : triangles) {
@@ -56,8 +70,8 @@ private:
     keep(kept);
   }
 
-  /// Of triangles with the same three vertices one stays, but none where two or more different others meet them at most
-  /// edges, in pairs: those are walls between bodies.
+  /// Of triangles with the same three vertices one stays, but none, where touching faces are opened, that two or more
+  /// different others meet at most edges, in pairs: those are walls between bodies.
   void drop_repeated() {
     auto& triangles = soup_.mesh.triangles;
     std::vector<std::array<index_t, 4>> keys;
@@ -83,7 +97,8 @@ private:
         const std::size_t n_others = n_uses(edges, keys[i][a], keys[i][b]) - 1;
         n_walls += n_others > 0 && n_others % 2 == 0;
       }
-      for (std::size_t k = i + (n_walls >= 2 ? 0 : 1); k < j; ++k) stays[keys[k][3]] = 0;
+      const bool opened = touching_ == TouchingFaces::opened && n_walls >= 2;
+      for (std::size_t k = i + (opened ? 0 : 1); k < j; ++k) stays[keys[k][3]] = 0;
     }
     std::vector<index_t> kept;
     std::vector<std::array<index_t, 3>> left;
@@ -169,6 +184,7 @@ private:
   }
 
   SurfaceSoup& soup_;
+  TouchingFaces touching_;
   SoupRepair report_;
 };
 
@@ -180,13 +196,15 @@ private:
 /// @param soup               the triangles of a file; changed. Numbers of polygons and patches are kept.
 /// @param largest_tolerance  the most that vertices are moved to close the surface, by the diagonal of its box; the
 ///                           powers of ten from 1e-7 are tried, and the least that closes it is taken.
+/// @param touching           what becomes of faces in which two bodies touch.
 /// @return what was done. Where the surface does not close, that with the largest tolerance: `closed` is false.
 /// @throws invalid_coordinate, invalid_connectivity  with the vertex or triangle.
 /// @par Complexity   O(n log n) but for many open edges of one abscissa.
 /// @par Determinism  Vertices and triangles keep their order.
-inline SoupRepair repair_soup(SurfaceSoup& soup, double largest_tolerance = 1e-4) {
+inline SoupRepair repair_soup(SurfaceSoup& soup, double largest_tolerance = 1e-4,
+                              TouchingFaces touching = TouchingFaces::opened) {
   detail::check_soup(soup.mesh);
-  return detail::SoupRepairer(soup).run(largest_tolerance);
+  return detail::SoupRepairer(soup, touching).run(largest_tolerance);
 }
 
 }  // namespace framehex

@@ -130,7 +130,7 @@ inline void check_closed(const SoupSurface& soup) {
   validate_closed(soup.surface);
 }
 
-/// The same for the complex that several bodies make (`join_bodies`): edges may have more than two triangles, and bodies
+/// The same for the complex that several bodies make (`merge_walls`): edges may have more than two triangles, and bodies
 /// touch in edges and vertices.
 ///
 /// @throws invalid_coordinate, nonmanifold (triangles that stand twice), open_surface.
@@ -160,7 +160,7 @@ inline void check_crossings(const SoupSurface& soup) {
   }
   const std::string n = pairs.size() == most ? "at least " + std::to_string(most) : std::to_string(pairs.size());
   throw invalid_surface(
-      report.text((overlap ? "bodies overlap or touch: " : "the surface crosses or touches itself: ") + n +
+      report.text((overlap ? "overlapping or touching bodies: " : "the surface crosses or touches itself: ") + n +
                   (pairs.size() == 1 ? " pair" : " pairs") + " of triangles meet"),
       Entity::triangle, {pairs[0][0], pairs[0][1]});
 }

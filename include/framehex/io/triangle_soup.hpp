@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace framehex {
 
@@ -33,9 +34,12 @@ namespace detail {
 /// those that no triangle uses go. `kept` becomes the soup's number of each triangle that stays.
 inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double tolerance, std::vector<index_t>& kept) {
   const std::size_t n = soup.points.size();
-  std::vector<index_t> order(n), parent(n);
-  std::iota(order.begin(), order.end(), index_t{0});
+  std::vector<index_t> order, parent(n);
   std::iota(parent.begin(), parent.end(), index_t{0});
+  std::vector<std::uint8_t> used(n, 0);
+  for (const auto& t : soup.triangles)
+    for (const index_t v : t)
+      if (!std::exchange(used[v], 1)) order.push_back(v);  // others may be anywhere, even NaN
   const auto& p = soup.points;
   std::sort(order.begin(), order.end(), [&](index_t a, index_t b) {
     return std::tuple(p[a].x(), p[a].y(), p[a].z(), a) < std::tuple(p[b].x(), p[b].y(), p[b].z(), b);
@@ -44,8 +48,8 @@ inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double toleranc
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n && p[order[j]].x() - p[order[i]].x() <= tolerance; ++j) {
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i + 1; j < order.size() && p[order[j]].x() - p[order[i]].x() <= tolerance; ++j) {
       const bool close = (p[order[j]] - p[order[i]]).cwiseAbs().maxCoeff() <= tolerance;
       // Without a tolerance equal points follow one another, and a run of equal abscissae need not be searched.
       if (!close && tolerance == 0) break;
@@ -56,7 +60,7 @@ inline IndexedTriangleMesh weld(const IndexedTriangleMesh& soup, double toleranc
     }
 
   IndexedTriangleMesh welded;
-  std::vector<std::uint8_t> used(n, 0);
+  std::fill(used.begin(), used.end(), std::uint8_t{0});
   kept.clear();
   for (index_t number = 0; number < soup.triangles.size(); ++number) {
     const auto& t = soup.triangles[number];

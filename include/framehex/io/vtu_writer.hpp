@@ -93,6 +93,13 @@ inline std::string xml_escaped(std::string_view text) {
   return out;
 }
 
+/// Opens an element of arrays. VTK has an attribute that tells which of them holds numbers in a mesh of many pieces.
+inline std::string data_element(const char* element, const std::vector<DataArray>& arrays, const char* numbers) {
+  const bool has_numbers =
+      std::any_of(arrays.begin(), arrays.end(), [&](const DataArray& a) { return a.name == numbers; });
+  return std::string("<") + element + (has_numbers ? " GlobalIds=\"" + std::string(numbers) + "\"" : "") + ">\n";
+}
+
 /// The XML part of a file, and the arrays appended to it.
 ///
 /// Their bytes stand in the opposite order of their elements. Readers that renumber offsets while they go through the
@@ -218,11 +225,11 @@ inline void put_vtu(OutputFile& file, const std::string& name, const MixedMesh& 
   document.array("connectivity", 1, cells.connectivity.data(), cells.connectivity.size());
   document.array("offsets", 1, cells.offsets.data(), cells.size());
   document.array("types", 1, cells.types.data(), cells.size());
-  document.text("      </Cells>\n      <CellData>\n");
+  document.text("      </Cells>\n      " + data_element("CellData", data.cells, "GlobalCellIds"));
   document.array("kind", 1, cells.kinds.data(), cells.size());
   document.array("label", 1, cells.labels.data(), cells.size());
   for (const DataArray& array : data.cells) document.array(array, cells.size());
-  document.text("      </CellData>\n      <PointData>\n");
+  document.text("      </CellData>\n      " + data_element("PointData", data.points, "GlobalPointIds"));
   for (const DataArray& array : by_point) document.array(array, points.size());
   document.text("      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n");
 

@@ -12,8 +12,8 @@ namespace framehex {
 struct PartInput {
   std::span<const Vector3> points{};               ///< of the vertices that the cells here use
   std::span<const std::array<index_t, 4>> tets{};  ///< positions in `points`, positively oriented
-  std::span<const global_t> vertex_numbers{};      ///< of each point in the whole mesh, >= 0
-  std::span<const global_t> cell_numbers{};        ///< of each cell in the whole mesh, >= 0
+  std::span<const global_t> vertex_numbers{};      ///< of each point in the whole mesh, >= 0 and < 2^62
+  std::span<const global_t> cell_numbers{};        ///< of each cell in the whole mesh, >= 0 and < 2^62
   std::span<const index_t> regions{};              ///< label of each cell, or empty on all ranks: one region
 };
 

@@ -56,7 +56,7 @@ struct PartRecombination {
   std::size_t n_rounds = 0, n_turns = 0;
   std::int64_t n_kept = 0;      ///< turns of parts that were taken back because their cells did not pass the check
   std::int64_t n_given_up = 0;  ///< chosen hexahedra left out because they could not be closed
-  AssemblyStatistics assembly;
+  AssemblyStatistics assembly;  ///< of several parts: what was done at open quadrilaterals, and new vertices
   // Of this rank, wall time.
   double search_seconds = 0, selection_seconds = 0, assembly_seconds = 0;
   Status status = Status::complete;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/distributed/detail/part_labels.hpp"
 #include "framehex/distributed/detail/part_numbering.hpp"
 #include "framehex/io/mesh_builder.hpp"
 
@@ -26,6 +27,7 @@ struct DealtCell {
 struct DealtShare {
   std::vector<DealtPoint> points;
   std::vector<DealtCell> cells;
+  std::vector<LabelName> names;  ///< on the rank that reads
 
   void take(const std::vector<Parcel>& arrived) {
     for (const Parcel& p : arrived) {
@@ -90,7 +92,9 @@ public:
     framehex::detail::add_vtk_cell(*this, name_, type, corners, label, number);
   }
 
-  void add_name(int, std::int64_t, std::int64_t, const std::string&) {}
+  void add_name(int dimension, std::int64_t label, std::int64_t group, const std::string& name) {
+    own_.names.push_back({dimension, group, label, name});
+  }
 
   /// @throws as MeshBuilder::finish.
   void finish(Volume volume) {
@@ -132,11 +136,9 @@ inline void receive_dealt(const MpiTransport& transport, DealtShare& share) {
 
 /// A part out of what was dealt to this rank. Collective.
 ///
-/// @param name     of the file, for errors. @param first_label  see MeshBuilder.
-/// @param regions  receives a label a cell.
+/// @param name    of the file, for errors.
 /// @throws io_error  for a number that two points have; invalid_connectivity  for one that none has.
-inline IndexedPart part_of_share(const MpiTransport& transport, const std::string& name, DealtShare share,
-                                 std::int64_t first_label, std::vector<index_t>& regions) {
+inline LabelledPart part_of_share(const MpiTransport& transport, const std::string& name, DealtShare share) {
   std::ranges::sort(share.points, {}, &DealtPoint::number);
   const auto twice = std::ranges::adjacent_find(share.points, {}, &DealtPoint::number);
   if (twice != share.points.end()) throw io_error(name + ": node " + std::to_string(twice->number) + " stands twice");
@@ -164,19 +166,14 @@ inline IndexedPart part_of_share(const MpiTransport& transport, const std::strin
     part.vertex_ids.push_back(point.id);
     part.mesh.points.emplace_back(point.place[0], point.place[1], point.place[2]);
   }
-  std::vector<std::int64_t> distinct = labels;
-  std::ranges::sort(distinct);
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  const framehex::detail::LabelNumbers label_number(gathered(transport, distinct), first_label);
   for (const DealtCell& cell : share.cells) {
     part.cell_ids.push_back(cell.id);
     auto& tet = part.mesh.tets.emplace_back();
     for (std::size_t i = 0; i < 4; ++i)
       tet[i] = static_cast<index_t>(std::ranges::lower_bound(numbers, cell.corners[i]) - numbers.begin());
-    regions.push_back(label_number(cell.label));
   }
   agree_on_vertices(transport, part, true);
-  return part;
+  return {std::move(part), {std::move(labels), std::move(share.names)}};
 }
 
 }  // namespace framehex::distributed::detail

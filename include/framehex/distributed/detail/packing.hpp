@@ -4,7 +4,9 @@
 #include "framehex/distributed/mpi_transport.hpp"
 #include "framehex/parts/detail/exchange.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <string>
 
 namespace framehex::distributed::detail {
 
@@ -81,6 +83,23 @@ std::vector<Value> gathered(const MpiTransport& transport, const std::vector<Val
     const std::size_t place = all.size();
     all.resize(place + share.size() / sizeof(Value));
     if (!share.empty()) std::memcpy(static_cast<void*>(all.data() + place), share.data(), share.size());
+  }
+  return all;
+}
+
+/// Everybody's texts, by rank. Collective.
+inline std::vector<std::string> gathered_texts(const MpiTransport& transport, const std::vector<std::string>& texts) {
+  std::vector<char> flat;
+  for (const std::string& text : texts) {
+    flat.insert(flat.end(), text.begin(), text.end());
+    flat.push_back('\0');
+  }
+  std::vector<std::string> all;
+  const std::vector<char> chars = gathered(transport, flat);
+  for (auto at = chars.begin(); at != chars.end(); ++at) {
+    const auto end = std::find(at, chars.end(), '\0');
+    all.emplace_back(at, end);
+    at = end;
   }
   return all;
 }

@@ -80,7 +80,8 @@ inline void agree_on_vertices(const MpiTransport& transport, IndexedPart& part, 
 
 /// Joins vertices of this rank that have come out as one, and leaves out those without a cell.
 inline void join_vertices(IndexedPart& part) {
-  std::vector<index_t> order(part.vertex_ids.size()), number(order.size(), no_index);
+  std::vector<index_t> order(part.vertex_ids.size());
+  std::vector<index_t> number(part.vertex_ids.size(), no_index);
   std::vector<char> is_used(order.size(), 0);
   for (const auto& tet : part.mesh.tets)
     for (const index_t v : tet) is_used[v] = 1;

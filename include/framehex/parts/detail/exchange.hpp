@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSL-1.0
 #pragma once
 
+#include "framehex/errors.hpp"
 #include "framehex/parts/transport.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <string>
 #include <type_traits>
 
 namespace framehex {
@@ -79,6 +83,33 @@ template <Transport Tr>
 std::int64_t sum_of(const Tr& transport, std::int64_t value) {
   transport.sum(std::span<std::int64_t>(&value, 1));
   return value;
+}
+
+/// The greatest number of any rank, exactly; -1 when there is none.
+template <Transport Tr>
+global_t greatest_number(const Tr& transport, std::span<const global_t> numbers) {
+  const global_t mine = numbers.empty() ? -1 : *std::max_element(numbers.begin(), numbers.end());
+  // In halves: a double does not hold all of it.
+  std::array<double, 1> high{-static_cast<double>(mine >> 32)};
+  transport.least(std::span<double>(high));
+  const auto first = static_cast<global_t>(-high[0]);
+  std::array<double, 1> low{mine >> 32 == first ? -static_cast<double>(mine - (first << 32)) : 0};
+  transport.least(std::span<double>(low));
+  return (first << 32) + static_cast<global_t>(-low[0]);
+}
+
+/// Global numbers are smaller: those from here on are new vertices' while the mesh is made.
+inline constexpr global_t number_limit = global_t{1} << 62;
+
+/// @throws invalid_connectivity  for the first that is no number of a vertex or a cell in the whole mesh.
+inline void check_numbers(std::span<const global_t> numbers, Entity entity) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] >= 0 && numbers[i] < number_limit) continue;
+    throw invalid_connectivity((entity == Entity::vertex ? "vertex " : "cell ") + std::to_string(i) +
+                                   " has the global number " + std::to_string(numbers[i]) +
+                                   "; they are from 0 to 2^62 - 1",
+                               entity, {i});
+  }
 }
 
 /// Whether any rank says so.

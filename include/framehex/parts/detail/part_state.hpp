@@ -46,7 +46,7 @@ struct StateVertex {
 };
 
 /// New vertices have numbers from here on until all are known.
-inline constexpr global_t first_new_vertex = global_t{1} << 62;
+inline constexpr global_t first_new_vertex = number_limit;
 inline global_t new_vertex_number(int turn, index_t leaf, std::size_t order) {
   return first_new_vertex | global_t{turn} << 56 | global_t{leaf} << 28 | static_cast<global_t>(order);
 }

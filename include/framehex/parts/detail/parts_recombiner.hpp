@@ -70,14 +70,36 @@ private:
     if (!turns.run(state, turn_size(state))) return stopped();
     result_.n_turns = turns.n_turns();
     result_.n_kept = sum_of(transport_, static_cast<std::int64_t>(turns.n_kept));
-    result_.assembly = turns.statistics;
     if (options_.assembly.interfaces == InterfaceMode::conforming) {
       if (turns.n_unmatched() > 0) return withdraw(turns.unmatched_vertices());
       check_volume(state);
     }
     lap(result_.assembly_seconds);
     ResultMaker(transport_, turns.partition(), turns.leaf_of_cell(), first_new_).run(std::move(state), result_);
+    result_.assembly = turns.statistics;
+    for (std::size_t v = 0; v < result_.owners.size(); ++v)
+      result_.assembly.n_new_vertices +=
+          result_.vertex_numbers[v] >= first_new_ && result_.owners[v] == transport_.rank();
+    add_up(result_.assembly);
     return true;
+  }
+
+  /// Counts of all ranks.
+  void add_up(AssemblyStatistics& s) const {
+    constexpr std::array counts{&AssemblyStatistics::n_open_quadrilaterals,
+                                &AssemblyStatistics::n_merged,
+                                &AssemblyStatistics::n_raised,
+                                &AssemblyStatistics::n_split,
+                                &AssemblyStatistics::n_dissolved,
+                                &AssemblyStatistics::n_withdrawn,
+                                &AssemblyStatistics::n_refitted,
+                                &AssemblyStatistics::n_unfit,
+                                &AssemblyStatistics::n_new_vertices,
+                                &AssemblyStatistics::n_removed_vertices};
+    std::array<std::int64_t, counts.size()> sums{};
+    for (std::size_t i = 0; i < counts.size(); ++i) sums[i] = static_cast<std::int64_t>(s.*counts[i]);
+    transport_.sum(std::span<std::int64_t>(sums));
+    for (std::size_t i = 0; i < counts.size(); ++i) s.*counts[i] = static_cast<std::size_t>(sums[i]);
   }
 
   /// Cells at some vertices are not chosen again, and after some attempts none is.
@@ -106,6 +128,8 @@ private:
     check("PartInput::vertex_numbers", input_.vertex_numbers.size(), input_.points.size());
     check("PartInput::cell_numbers", input_.cell_numbers.size(), input_.tets.size());
     if (!input_.regions.empty()) check("PartInput::regions", input_.regions.size(), input_.tets.size());
+    check_numbers(input_.vertex_numbers, Entity::vertex);
+    check_numbers(input_.cell_numbers, Entity::cell);
     if (options_.assembly.boundary_projection)
       throw invalid_option("a mesh in parts keeps its boundary vertices: boundary_projection must be empty");
     if (options_.assembly.interfaces == InterfaceMode::no_pyramids || options_.assembly.fit != CellFit::any)
@@ -124,10 +148,7 @@ private:
     HaloExchange(transport_, *partition_, held).run(n_halo_layers);
     patch_.emplace(std::move(held), *partition_, has_regions);
     leaves_ = partition_->leaves_of(transport_.rank());
-    std::array<double, 1> last{0};
-    for (const global_t v : input_.vertex_numbers) last[0] = std::min(last[0], -static_cast<double>(v));
-    transport_.least(std::span<double>(last));
-    first_new_ = static_cast<global_t>(-last[0]) + 1;
+    first_new_ = greatest_number(transport_, input_.vertex_numbers) + 1;
     for_each_own_tet([&](index_t) { ++n_tets_; });
     n_tets_ = sum_of(transport_, n_tets_);
   }
@@ -300,6 +321,8 @@ private:
     const auto share = [&](std::int64_t& value) { value = sum_of(transport_, value); };
     share(result_.n_candidates);
     share(result_.n_chosen);
+    share(result_.n_given_up);
+    add_up(result_.assembly);
     std::array<double, 2> least{-result_.weight, -result_.bound};
     transport_.least(std::span<double>(least));
     result_.weight = -least[0];

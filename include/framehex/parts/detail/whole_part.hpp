@@ -10,12 +10,20 @@
 #include "framehex/selection/candidate_weights.hpp"
 #include "framehex/selection/implicit_graph.hpp"
 
+#include <chrono>
+#include <utility>
+
 namespace framehex::detail {
 
 /// A mesh of one part, on the rank that holds it. @return false when stopped.
 template <Executor E>
 bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E& executor, CallingThread& thread,
                      global_t first_new, PartRecombination& result) {
+  auto last = std::chrono::steady_clock::now();
+  const auto lap = [&](double& seconds) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds = std::chrono::duration<double>(now - std::exchange(last, now)).count();
+  };
   HexFinderOptions finder = options.finder;
   finder.adjacency = &patch.adjacency;
   finder.input_check = InputCheck::skip;
@@ -23,11 +31,13 @@ bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E
   finder.observer = thread.part("recombination");
   PotentialHexahedra candidates = find_potential_hexahedra(patch.mesh, finder, executor);
   if (candidates.status == Status::cancelled) return false;
+  lap(result.search_seconds);
   SelectOptions selecting = options.selection;
   selecting.observer = thread.part("selection");
   const Selection selection =
       select(ImplicitIncompatibilityGraph(candidates, volume_times_quality(candidates)), selecting, executor);
   if (selection.status == SelectionStatus::cancelled) return false;
+  lap(result.selection_seconds);
   result.n_candidates = static_cast<std::int64_t>(candidates.size());
   result.n_chosen = static_cast<std::int64_t>(selection.members.size());
   result.weight = selection.weight;
@@ -45,8 +55,10 @@ bool recombine_whole(const TetPatch& patch, const PartsOptions& options, const E
   const auto make = [&](std::span<const index_t> selected, const AssemblyOptions& how) {
     return assemble(patch.mesh, patch.adjacency, candidates, selected, how);
   };
-  Assembly assembly = assemble_soundly(make, patch.adjacency, candidates, std::move(all), assembling).assembly;
+  auto [assembly, n_given_up] = assemble_soundly(make, patch.adjacency, candidates, std::move(all), assembling);
+  result.n_given_up = static_cast<std::int64_t>(n_given_up);
   if (assembly.status == Status::cancelled) return false;
+  lap(result.assembly_seconds);
   result.mesh = std::move(assembly.mesh);
   result.mesh.faces.clear();
   result.assembly = assembly.statistics;

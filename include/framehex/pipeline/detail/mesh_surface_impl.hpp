@@ -57,7 +57,7 @@ public:
     result_.statistics.order = options_.order;
     if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled<MeshingResult>();
     if (!make_mesh()) return cancelled<MeshingResult>();
-    if (result_.statistics.order == PointOrder::lattice && !compare_with_fronts()) return cancelled<MeshingResult>();
+    if (result_.statistics.order == PointOrder::lattice && !try_other_points()) return cancelled<MeshingResult>();
     sample_field();
     return std::move(result_);
   }
@@ -71,8 +71,8 @@ private:
   /// under the surface, then with smaller sizes, then by fronts if a lattice has done no better with these; the best mesh
   /// stays.
   ///
-  /// Ends after `most_rounds`, after two that made it no better, or when smaller sizes would ask for too many points:
-  /// quality is not worth more.
+  /// Ends after `most_rounds`, after two with smaller sizes that made it no better, or when these would ask for too many
+  /// points: quality is not worth more.
   bool make_mesh() {
     constexpr int most_rounds = 5, most_vain = 2;
     const double wanted = options_.least_quality;
@@ -82,8 +82,10 @@ private:
       const auto limits = limits_at_poor_cells(result_.poor_cells, result_.recombination.mesh, wanted, size_);
       if (limits.empty()) break;
       MeshingResult before = result_;
+      bool peeled = false;
       try {
-        if (peel() == 0) {
+        peeled = peel() > 0;
+        if (!peeled) {
           size_.add(limits);
           if (asks_for_too_much()) break;
           if (options_.order == PointOrder::lattice && vain > 0) use_fronts();
@@ -97,28 +99,47 @@ private:
         break;
       }
       if (poverty(result_.poor_cells, wanted) < poverty(before.poor_cells, wanted)) continue;
-      ++vain;
+      if (!peeled) ++vain;
       result_ = std::move(before);
     }
     result_.recombination.seconds = seconds_;
     return true;
   }
 
-  /// A lattice with holes, or whose cells did not become hexahedra, can do worse than fronts, and only the meshes tell: the
-  /// better one stays.
-  bool compare_with_fronts() {
-    if (result_.statistics.lattice_volume > least_sure_lattice &&
-        share_of_hexahedra(result_.recombination.mesh) > least_sure_hexahedra)
+  /// A lattice with holes, or whose cells did not become hexahedra, can do worse than other points, and only the meshes
+  /// tell: the best one stays. A wall of one layer, which finite volumes do not take, may have two where no step is longer
+  /// than the size; and there are fronts.
+  bool try_other_points() {
+    if (is_sure()) return true;
+    const auto shorter_steps = [this] {
+      options_.lattice.scale.longest = 1;
+      return make_lattice();
+    };
+    const bool no_layers = options_.recombination.assembly.fit == CellFit::finite_volume;
+    if (no_layers && options_.lattice.scale.longest > 1 && !remake(shorter_steps)) return false;
+    if (is_sure() || options_.order != PointOrder::lattice) return true;
+    return remake([this] {
+      use_fronts();
       return true;
-    MeshingResult with_lattice = result_;
-    use_fronts();
+    });
+  }
+
+  bool is_sure() const {
+    return result_.statistics.lattice_volume > least_sure_lattice &&
+           share_of_hexahedra(result_.recombination.mesh) > least_sure_hexahedra;
+  }
+
+  /// Makes the mesh anew after some change. The better one stays.
+  template <class Change>
+  bool remake(Change&& change) {
+    MeshingResult before = result_;
     bool better = false;
     try {
-      if (!make_mesh()) return false;
-      better = is_better(result_, with_lattice, options_.least_quality);
-    } catch (const error&) {  // of points that the lattice did without
+      if (!change() || !make_mesh()) return false;
+      better = is_better(result_, before, options_.least_quality);
+    } catch (const error&) {  // of points that the mesh before did without
     }
-    if (!better) result_ = std::move(with_lattice);
+    if (!better) result_ = std::move(before);
     result_.recombination.seconds = seconds_;
     return true;
   }
