@@ -107,9 +107,12 @@ private:
   }
 
   /// A lattice with holes, or whose cells did not become hexahedra, can do worse than other points, and only the meshes
-  /// tell: the best one stays. A wall of one layer, which finite volumes do not take, may have two where no step is longer
+  /// tell: the best one stays. A seamless map may be bent where another has dislocations. A wall of one layer, which finite volumes do not take, may have two where no step is longer
   /// than the size; and there are fronts.
   bool try_other_points() {
+    if (is_seamless() && share_of_hexahedra(result_.recombination.mesh) < least_good_hexahedra &&
+        !remake([this] { return leave_lattice(); }))
+      return false;
     if (is_sure()) return true;
     const auto shorter_steps = [this] {
       options_.lattice.scale.longest = 1;
@@ -160,7 +163,7 @@ private:
       if (!place_once()) return false;
       if (!obstacle_) return true;
       if (options_.order == PointOrder::lattice) {
-        use_fronts();  // which may do without smaller sizes
+        if (!leave_lattice()) return false;  // others may do without smaller sizes
         continue;
       }
       if (round == most_rounds || obstacle_.places.empty()) std::rethrow_exception(obstacle_.failure);
@@ -311,14 +314,27 @@ private:
     lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), refined_, size_, options_.lattice,
                              executor_, &report);
     result_.statistics.lattice_volume = lattice_.complete_volume;
-    if (lattice_.complete_volume < 0.5) use_fronts();  // no more than scraps of it
+    result_.statistics.mapping = report.mapping;
     watch_.lap(seconds_.insertion);
-    return report.status == Status::complete;
+    if (report.status != Status::complete) return false;
+    return lattice_.complete_volume >= 0.5 || leave_lattice();  // no more than scraps of it
   }
 
-  /// In place of a lattice of which too little is left.
+  /// Takes a lattice with the other mapping, or else fronts.
+  bool leave_lattice() {
+    if (!is_seamless()) {
+      use_fronts();
+      return true;
+    }
+    options_.lattice.mapping = LatticeMapping::phases;
+    return make_lattice();
+  }
+
+  bool is_seamless() const { return result_.statistics.mapping == LatticeMapping::seamless; }
+
   void use_fronts() {
     options_.order = result_.statistics.order = PointOrder::smoothness;
+    result_.statistics.mapping = LatticeMapping::phases;
     result_.statistics.lattice_volume = 0;
   }
 
@@ -460,6 +476,8 @@ private:
 
   // Shares of the volume, in a lattice and in hexahedra, with less of which fronts have been ahead on some bodies.
   static constexpr double least_sure_lattice = 0.975, least_sure_hexahedra = 0.9;
+  // With less another mapping has been ahead.
+  static constexpr double least_good_hexahedra = 0.985;
 
   const TetrahedralizerRef& tetrahedralizer_;
   LimitedSize<SizeFieldRef> size_;
