@@ -59,9 +59,9 @@ public:
     SeamlessReport report;
     make_lines_whole();
     fix_charts();
+    report.n_unknowns = sheets_.unknowns.n_free();
+    if (report.n_unknowns > options_.most_unknowns) return report;
     make_terms();
-    report.n_unknowns = n_unknowns_;
-    if (n_unknowns_ > options_.most_unknowns) return report;
     if (!choose() || !solve(phases)) {
       report.status = Status::cancelled;
       return report;
@@ -151,7 +151,6 @@ private:
   }
 
   void make_terms() {
-    number_of_.clear();
     for (index_t e = 0; e < graph_.n_edges(); ++e) {
       const auto [v, w] = graph_.edges()[e];
       const AxisMatching& m = graph_.matching(e);

@@ -4,6 +4,7 @@
 #include "framehex/config.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <numeric>
 #include <optional>
@@ -38,6 +39,11 @@ public:
   index_t add() {
     expressions_.emplace_back();
     return static_cast<index_t>(expressions_.size() - 1);
+  }
+
+  /// How many can be chosen freely.
+  std::size_t n_free() const {
+    return static_cast<std::size_t>(std::count(expressions_.begin(), expressions_.end(), std::nullopt));
   }
 
   /// The sum in unknowns that are left.
