@@ -42,7 +42,7 @@ inline void descend(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::V
 ///
 /// @param a  symmetric, positive.
 /// @par Complexity   O(n^3).
-/// @par Source       The rounding: Bommes, Zimmer, Kobbelt, ACM Trans. Graph. 28 (2009), for quadrangulations.
+/// @par Source       The rounding: Bommes, Zimmer, Kobbelt, ACM Trans. Graph. 28 (2009), for surfaces.
 inline Eigen::VectorXd nearest_whole(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   const Eigen::Index n = b.size();
   Eigen::MatrixXd inverse = a.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
