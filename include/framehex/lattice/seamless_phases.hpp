@@ -57,15 +57,16 @@ public:
 
   SeamlessReport run(std::vector<Vector3>& phases, std::vector<Vector3>& differences) {
     SeamlessReport report;
+    report.status = Status::cancelled;
+    if (!sheets_.find([this] { return !going(); })) return report;
     make_lines_whole();
     fix_charts();
     report.n_unknowns = sheets_.unknowns.n_free();
-    if (report.n_unknowns > options_.most_unknowns) return report;
-    make_terms();
-    if (!choose() || !solve(phases)) {
-      report.status = Status::cancelled;
+    if (report.n_unknowns > options_.most_unknowns) {
+      report.status = Status::complete;
       return report;
     }
+    if (!going() || !make_terms() || !choose() || !solve(phases)) return report;
     double sum = 0;
     differences.resize(graph_.n_edges());
     for (index_t e = 0; e < graph_.n_edges(); ++e) {
@@ -75,6 +76,7 @@ public:
     }
     report.rms_residual = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(3 * graph_.n_edges(), 1)));
     report.solved = true;
+    report.status = Status::complete;
     return report;
   }
 
@@ -130,6 +132,8 @@ private:
     for (WholeSum& value : values_) value = sheets_.unknowns.reduced(value);
   }
 
+  bool going() const { return keep_going(options_.observer, "lattice", 0.6); }
+
   bool is_whole(index_t node) const { return (boundary_.whole[node / 3] >> node % 3 & 1) != 0; }
 
   void spread_chart(index_t node, std::vector<index_t>& queue) {
@@ -150,8 +154,10 @@ private:
     }
   }
 
-  void make_terms() {
+  /// @return false when cancelled.
+  bool make_terms() {
     for (index_t e = 0; e < graph_.n_edges(); ++e) {
+      if (e % 8192 == 0 && !going()) return false;
       const auto [v, w] = graph_.edges()[e];
       const AxisMatching& m = graph_.matching(e);
       const Vector3 weights = chart_weights(graph_, tangent_, e);
@@ -172,6 +178,7 @@ private:
     }
     for (const SingularLines::Line& line : lines_.lines())
       for (const SingularLines::Facet& facet : lines_.facets(line)) wish_line(facet);
+    return true;
   }
 
   /// Wishes that the coordinates across at the corners of a facet be those of the line and the way from there.
@@ -255,7 +262,7 @@ private:
   bool coordinates(const std::vector<Vector3>& right, std::vector<Vector3>& result) {
     System::Values x(right.size(), System::Value::Zero()), rows(right.size());
     for (index_t v = 0; v < right.size(); ++v) rows[system_->row_of(v)] = System::lanes(right[v]);
-    const auto proceed = [this] { return keep_going(options_.observer, "lattice", 0.6); };
+    const auto proceed = [this] { return going(); };
     if (!system_->solve(x, rows, 0, options_.tolerance, options_.max_iterations, proceed, executor_)) return false;
     result.resize(right.size());
     for (index_t v = 0; v < right.size(); ++v) result[v] = System::vector(x[system_->row_of(v)]);

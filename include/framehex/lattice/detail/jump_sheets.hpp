@@ -29,16 +29,21 @@ public:
   };
 
   explicit JumpSheets(const LatticeGraph& graph)
-      : graph_(graph), place_of_edge_(graph.n_edges(), unknown), regular_facets_(facets_of_edges()) {
+      : graph_(graph), place_of_edge_(graph.n_edges(), unknown), regular_facets_(facets_of_edges()) {}
+
+  /// @param stop  asked now and then. @return false when it said so: then nothing may be asked for.
+  template <class Stop>
+  bool find(Stop&& stop) {
     cut_along_tree();
-    follow_facets();
-    for (index_t e = 0; e < graph.n_edges(); ++e) {
+    if (!follow_facets(stop)) return false;
+    for (index_t e = 0; e < graph_.n_edges(); ++e) {
       if (place_of_edge_[e] != unknown) continue;
       Jump jump;
       for (WholeSum& sum : jump) sum = {{unknowns.add(), 1}};
       set(e, std::move(jump));
-      follow_facets();
+      if (!follow_facets(stop)) return false;
     }
+    return true;
   }
 
   /// From v to its neighbour w, in unknowns that are left.
@@ -128,8 +133,10 @@ private:
   }
 
   /// Of two jumps round a facet the third follows; three are a relation.
-  void follow_facets() {
-    for (; !waiting_.empty(); waiting_.pop_front()) {
+  template <class Stop>
+  bool follow_facets(const Stop& stop) {
+    for (std::size_t n = 0; !waiting_.empty(); waiting_.pop_front()) {
+      if (++n % 8192 == 0 && stop()) return false;
       const std::array<index_t, 3>& f = facets_[waiting_.front()];
       std::size_t n_known = 0, missing = 0;
       for (std::size_t i = 0; i < 3; ++i)
@@ -146,6 +153,7 @@ private:
         for (const WholeSum& sum : round(f)) unknowns.set_zero(sum);
       }
     }
+    return true;
   }
 
   /// Sum of the jumps round a facet, at its first corner.
