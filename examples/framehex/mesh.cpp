@@ -267,7 +267,9 @@ bool mesh(const Options& options, const framehex::Observer& observer) {
                    {"singular_edges", s.n_singular_edges}};
   const bool lattice_is_left = meshing.order == framehex::PointOrder::lattice && s.order != meshing.order;
   if (options.order == "lattice")
-    json["lattice"] = {{"volume", s.lattice_volume}, {"replaced_by_fronts", lattice_is_left}};
+    json["lattice"] = {{"volume", s.lattice_volume},
+                       {"seamless", s.mapping == framehex::LatticeMapping::seamless},
+                       {"replaced_by_fronts", lattice_is_left}};
   json["regions"] = s.n_regions;
   json["points"] = {{"surface", s.n_surface_points},
                     {"volume", s.n_volume_points},

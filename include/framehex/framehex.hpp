@@ -86,6 +86,7 @@
 #include "framehex/lattice/lattice_steps.hpp"
 #include "framehex/lattice/periodic_parameterization.hpp"
 #include "framehex/lattice/phases.hpp"
+#include "framehex/lattice/seamless_phases.hpp"
 #include "framehex/lattice/singular_phases.hpp"
 #include "framehex/lattice/singular_points.hpp"
 #include "framehex/insertion/curve_inserter.hpp"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSL-1.0
-#include "framehex/field/compute_frame_field.hpp"
-#include "framehex/lattice/periodic_parameterization.hpp"
 #include "framehex/surface/refinement.hpp"
-#include "support/surfaces.hpp"
-#include "support/unstructured.hpp"
+#include "lattice/body.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -13,31 +10,9 @@
 #include <random>
 
 using namespace framehex;
+using test::Body;
 
 namespace {
-
-/// A tetrahedral mesh with a frame per vertex, and its boundary.
-struct Body {
-  IndexedTetMesh mesh;
-  TetAdjacency adjacency;
-  BoundarySurface boundary;
-  Surface surface;
-  std::vector<Quaternion> frames;
-
-  explicit Body(IndexedTetMesh tets)
-      : mesh(std::move(tets)),
-        adjacency(make_adjacency(mesh)),
-        boundary(extract_boundary(mesh, adjacency)),
-        surface(boundary.surface),
-        frames(mesh.points.size(), Quaternion::Identity()) {}
-
-  template <class E = SerialExecutor>
-  LatticePoints lattice(double size, LatticeReport* report = nullptr, const E& executor = {},
-                        const LatticeOptions& options = {}) const {
-    return place_lattice(adjacency, mesh.points, frames, surface, ConstantSize{size}, options, executor, report,
-                         boundary.vertex_of);
-  }
-};
 
 IndexedTriangleMesh turned(IndexedTriangleMesh surface, const Quaternion& rotation) {
   for (Vector3& p : surface.points) p = rotation * p;
@@ -104,9 +79,12 @@ TEST_CASE("the scale of the axes makes a polar grid integrable: a tube has as ma
     const Vector3& p = body.mesh.points[v];
     body.frames[v] = Quaternion(Eigen::AngleAxisd(std::atan2(p.y(), p.x()), Vector3::UnitZ()));
   }
+  LatticeOptions options;
+  options.mapping = GENERATE(LatticeMapping::phases, LatticeMapping::seamless);
   LatticeReport report;
-  const LatticePoints lattice = body.lattice(size, &report);
-  CHECK(report.phases.n_pinned == 1);  // nothing holds the angle
+  const LatticePoints lattice = body.lattice(size, &report, SerialExecutor{}, options);
+  CHECK(report.mapping == options.mapping);
+  if (options.mapping == LatticeMapping::phases) CHECK(report.phases.n_pinned == 1);  // nothing holds the angle
   CHECK(lattice.n_defect_tets == 0);
   CHECK(lattice.complete_volume == Approx(1));
   const std::size_t layers = 11 * 4;  // by height and radius: 10 and 3 steps
@@ -184,13 +162,16 @@ TEST_CASE("the projection of steps minimises what it says: against a factorised 
 TEST_CASE("lines of a cylinder's field are put on whole coordinates, and the points do not depend on the threads") {
   Body body(test::filled(test::ringed_cylinder_surface(0.5, 1, 5), 2e-4));
   body.frames = compute_frame_field(body.mesh).frames();
+  LatticeOptions options;
+  options.mapping = GENERATE(LatticeMapping::phases, LatticeMapping::seamless);
   LatticeReport report;
-  const LatticePoints once = body.lattice(0.1, &report);
-  CHECK(report.singular.n_lines == 4);
+  const LatticePoints once = body.lattice(0.1, &report, SerialExecutor{}, options);
+  CHECK(report.mapping == options.mapping);
+  if (options.mapping == LatticeMapping::phases) CHECK(report.singular.n_lines == 4);
   CHECK(once.n_singular_tets > 0);
   CHECK(once.complete_volume > 0.9);
   for (const std::size_t threads : {std::size_t{2}, std::size_t{3}}) {
-    const LatticePoints again = body.lattice(0.1, nullptr, ThreadExecutor(threads));
+    const LatticePoints again = body.lattice(0.1, nullptr, ThreadExecutor(threads), options);
     CHECK(again.interior == once.interior);
     CHECK(again.curves.arcs.values == once.curves.arcs.values);
     CHECK(again.complete_tets == once.complete_tets);
@@ -242,6 +223,7 @@ TEST_CASE("cancelling at any time leaves nothing, and progress does not fall") {
   body.frames = compute_frame_field(body.mesh).frames();
   std::size_t n_calls = 0;
   LatticeOptions options;
+  options.mapping = GENERATE(LatticeMapping::phases, LatticeMapping::seamless);
   double last = 0;
   bool falls = false;
   options.observer = [&](const Progress& progress) {

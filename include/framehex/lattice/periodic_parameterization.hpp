@@ -5,15 +5,24 @@
 #include "framehex/lattice/lattice_points.hpp"
 #include "framehex/lattice/lattice_steps.hpp"
 #include "framehex/lattice/phases.hpp"
+#include "framehex/lattice/seamless_phases.hpp"
 
 namespace framehex {
 
+/// How the coordinates of a lattice are found.
+enum class LatticeMapping {
+  phases,   ///< up to whole numbers, which are rounded one by one (`solve_singular_phases`)
+  seamless  ///< with all whole numbers at once (`solve_seamless_phases`) where the field leaves few free; else phases
+};
+
 /// Options of `place_lattice`.
 struct LatticeOptions {
+  LatticeMapping mapping = LatticeMapping::seamless;
   AxisScaleOptions scale = {};
   StepProjectionOptions projection = {};
   PhaseOptions phases = {};
   SingularPhaseOptions singular = {};
+  SeamlessOptions seamless = {};
   double step_factor = 1;  ///< > 0: steps in sizes, on the whole
   Observer observer = {};  ///< replaces those of the steps when set
 
@@ -23,6 +32,7 @@ struct LatticeOptions {
     StepProjectionOptions::each_number(o.projection, visit);
     PhaseOptions::each_number(o.phases, visit);
     SingularPhaseOptions::each_number(o.singular, visit);
+    SeamlessOptions::each_number(o.seamless, visit);
     visit("LatticeOptions::step_factor", o.step_factor, least_positive, largest_finite);
   }
 };
@@ -32,6 +42,8 @@ struct LatticeReport {
   StepProjectionReport projection;
   PhaseReport phases;
   SingularPhaseReport singular;
+  SeamlessReport seamless;
+  LatticeMapping mapping = LatticeMapping::phases;  ///< that of the points
   Status status = Status::complete;
 };
 
@@ -56,7 +68,8 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
                             std::span<const index_t> vertex_of = {}) {
   check_options(options);
   if (options.observer)
-    options.scale.observer = options.projection.observer = options.phases.observer = options.observer;
+    options.scale.observer = options.projection.observer = options.phases.observer = options.seamless.observer =
+        options.observer;
   LatticeReport unused;
   LatticeReport& r = report ? *report : unused;
   const auto scaled_size = [&](const Vector3& p) { return options.step_factor * detail::checked_size(size, p); };
@@ -76,14 +89,23 @@ LatticePoints place_lattice(const TetAdjacency& adjacency, std::span<const Vecto
   const std::vector<AxisMask> tangent = tangent_edges(graph, surface, boundary, vertex_of);
   r.projection = project_steps(graph, steps, tangent, options.projection, executor);
   if (r.projection.status == Status::cancelled) return {};
-  std::vector<Vector3> phases;
-  PhaseSolver<E> solver(graph, steps, boundary.whole, tangent, sizes, options.phases, executor);
   if (!going(0.5)) return {};
   const SingularLines lines(graph, scale, sizes);
-  r.phases = solve_singular_phases(solver, graph, steps, lines, surface, boundary, sizes, phases, r.singular,
-                                   options.singular, vertex_of);
-  if (r.phases.status == Status::cancelled) return {};
-  const SingularPoints singular = find_singular_points(graph, lines, phases, surface, sizes);
+  std::vector<Vector3> phases, differences;
+  if (options.mapping == LatticeMapping::seamless) {
+    r.seamless = solve_seamless_phases(graph, steps, lines, boundary, tangent, sizes, phases, differences,
+                                       options.seamless, executor);
+    if (r.seamless.status == Status::cancelled) return {};
+    if (r.seamless.solved) r.mapping = LatticeMapping::seamless, steps = std::move(differences);
+  }
+  if (r.mapping == LatticeMapping::phases) {
+    PhaseSolver<E> solver(graph, steps, boundary.whole, tangent, sizes, options.phases, executor);
+    r.phases = solve_singular_phases(solver, graph, steps, lines, surface, boundary, sizes, phases, r.singular,
+                                     options.singular, vertex_of);
+    if (r.phases.status == Status::cancelled) return {};
+  }
+  const SingularPoints singular =
+      find_singular_points(graph, lines, phases, surface, sizes, r.mapping == LatticeMapping::seamless);
   if (!going(1)) return {};
   r.status = Status::complete;
   return extract_lattice_points(LatticeMap(graph, steps, phases), surface, boundary, sizes, singular, vertex_of);

@@ -178,24 +178,13 @@ private:
     return c;
   }
 
-  /// Weights of an edge: charts are held together by stronger ones.
-  Vector3 weight(index_t e) const {
-    constexpr double chart_stiffness = 32;
-    Vector3 result = Vector3::Constant(graph_.weights()[e]);
-    for (int a = 0; a < 3; ++a)
-      if (tangent_[e] >> a & 1) result[a] *= chart_stiffness;
-    return result;
-  }
+  Vector3 weight(index_t e) const { return detail::chart_weights(graph_, tangent_, e); }
 
   /// Sets of coordinates that hang together may be shifted as a whole: of each the largest chart is put on 0, or one
   /// value where there is none. @return number of the latter.
   std::size_t pin_parts(std::span<const PhaseTarget> targets, ChartRounding charts) {
     const std::size_t n = graph_.n_vertices();
-    detail::AxisSets parts(n);
-    for (index_t e = 0; e < graph_.n_edges(); ++e) {
-      const auto [v, w] = graph_.edges()[e];
-      for (index_t a = 0; a < 3; ++a) parts.unite(3 * v + a, 3 * w + graph_.matching(e).axis[a], false);
-    }
+    const detail::AxisSets parts = detail::connected_axes(graph_);
     std::vector<index_t> largest(3 * n, no_index);  // chart of each part, by its root
     chart_is_fixed_.assign(charts_.charts.size(), 0);
     for (index_t c = 0; c < charts_.charts.size(); ++c) {

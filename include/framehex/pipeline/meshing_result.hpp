@@ -19,6 +19,7 @@ struct MeshingStatistics {
   double dirichlet_energy = 0;
   std::size_t n_singular_edges = 0;        ///< facets through which a singular line of the field passes
   PointOrder order = PointOrder::lattice;  ///< that placed the points: not the one asked for where fronts took over
+  LatticeMapping mapping = LatticeMapping::phases;  ///< that of the lattice, if there is one
   double lattice_volume = 0;  ///< share of the volume in which the lattice is regular; 0 also where fronts replace it
   std::size_t n_surface_points = 0;  ///< corners, curves and surfaces
   std::size_t n_volume_points = 0;

@@ -46,6 +46,25 @@ private:
   std::vector<std::uint8_t> against_;  // its parent
 };
 
+/// The sets of axes that hang together by the edges of a mesh: their coordinates may be shifted as a whole.
+inline AxisSets connected_axes(const LatticeGraph& graph) {
+  AxisSets parts(graph.n_vertices());
+  for (index_t e = 0; e < graph.n_edges(); ++e) {
+    const auto [v, w] = graph.edges()[e];
+    for (index_t a = 0; a < 3; ++a) parts.unite(3 * v + a, 3 * w + graph.matching(e).axis[a], false);
+  }
+  return parts;
+}
+
+/// Weights of an edge's axes: charts are held together by stronger ones.
+inline Vector3 chart_weights(const LatticeGraph& graph, std::span<const AxisMask> tangent, index_t e) {
+  constexpr double chart_stiffness = 32;
+  Vector3 result = Vector3::Constant(graph.weights()[e]);
+  for (int a = 0; a < 3; ++a)
+    if (tangent[e] >> a & 1) result[a] *= chart_stiffness;
+  return result;
+}
+
 /// Parts of the boundary on which one coordinate is constant, and whole: axes of boundary vertices joined by the edges
 /// that take no step along them.
 struct BoundaryCharts {

@@ -74,9 +74,10 @@ public:
         on_patches_(*std::max_element(sizes.begin(), sizes.end())) {}
 
   LatticePoints run(const SingularPoints& singular) {
+    if (singular.are_exact) add(singular);
     find_in_tets();
     find_on_triangles();
-    add(singular);
+    if (!singular.are_exact) add(singular);
     for (std::size_t c = 0; c < features_.curves.size(); ++c) find_on_curve(features_.curves[c]);
     return std::move(result_);
   }

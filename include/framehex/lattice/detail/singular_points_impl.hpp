@@ -14,13 +14,14 @@ namespace detail {
 class SingularPointFinder {
 public:
   SingularPointFinder(const LatticeGraph& graph, const SingularLines& lines, const std::vector<Vector3>& phases,
-                      const Surface& surface, std::span<const double> sizes)
-      : graph_(graph), lines_(lines), phases_(phases), surface_(surface), sizes_(sizes) {}
+                      const Surface& surface, std::span<const double> sizes, bool all_whole)
+      : graph_(graph), lines_(lines), phases_(phases), surface_(surface), sizes_(sizes), all_whole_(all_whole) {}
 
   SingularPoints run() {
     constexpr double least_parity = 0.3;
+    result_.are_exact = all_whole_;
     for (const SingularLines::Line& line : lines_.lines()) {
-      if (lines_.parity(line, phases_) <= least_parity) continue;
+      if (!all_whole_ && lines_.parity(line, phases_) <= least_parity) continue;
       const auto facets = lines_.facets(line);
       find_along(facets);
       if (facets.front().on_boundary) find_end(facets, 0);
@@ -111,6 +112,7 @@ private:
   const std::vector<Vector3>& phases_;
   const Surface& surface_;
   std::span<const double> sizes_;
+  bool all_whole_;
   std::optional<SurfaceLocator> locator_;
   SingularPoints result_;
 };
@@ -119,8 +121,8 @@ private:
 
 FRAMEHEX_INLINE SingularPoints find_singular_points(const LatticeGraph& graph, const SingularLines& lines,
                                                     const std::vector<Vector3>& phases, const Surface& surface,
-                                                    std::span<const double> sizes) {
-  return detail::SingularPointFinder(graph, lines, phases, surface, sizes).run();
+                                                    std::span<const double> sizes, bool all_whole) {
+  return detail::SingularPointFinder(graph, lines, phases, surface, sizes, all_whole).run();
 }
 
 }  // namespace framehex

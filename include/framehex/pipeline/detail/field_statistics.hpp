@@ -21,4 +21,15 @@ Csr<Vector3> describe(const Field& field, MeshingStatistics& s) {
   return std::move(singular.polylines);
 }
 
+/// Frames and smoothness at the vertices of the result.
+template <class Field>
+void sample_field(const Field& field, MeshingResult& result) {
+  index_t hint = no_index;
+  for (const Vector3& p : result.recombination.mesh.points) {
+    const FrameSample sample = field.sample(p, hint);
+    result.frames.push_back(sample.frame);
+    result.smoothness.push_back(sample.smoothness);
+  }
+}
+
 }  // namespace framehex::detail

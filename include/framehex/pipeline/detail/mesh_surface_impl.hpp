@@ -58,7 +58,7 @@ public:
     if (options_.order == PointOrder::lattice && !make_lattice()) return cancelled<MeshingResult>();
     if (!make_mesh()) return cancelled<MeshingResult>();
     if (result_.statistics.order == PointOrder::lattice && !try_other_points()) return cancelled<MeshingResult>();
-    sample_field();
+    sample_field(*field_, result_);
     return std::move(result_);
   }
 
@@ -107,9 +107,12 @@ private:
   }
 
   /// A lattice with holes, or whose cells did not become hexahedra, can do worse than other points, and only the meshes
-  /// tell: the best one stays. A wall of one layer, which finite volumes do not take, may have two where no step is longer
+  /// tell: the best one stays. A seamless map may be bent where another has dislocations. A wall of one layer, which finite volumes do not take, may have two where no step is longer
   /// than the size; and there are fronts.
   bool try_other_points() {
+    if (is_seamless() && share_of_hexahedra(result_.recombination.mesh) < least_good_hexahedra &&
+        !remake([this] { return leave_lattice(); }))
+      return false;
     if (is_sure()) return true;
     const auto shorter_steps = [this] {
       options_.lattice.scale.longest = 1;
@@ -160,7 +163,7 @@ private:
       if (!place_once()) return false;
       if (!obstacle_) return true;
       if (options_.order == PointOrder::lattice) {
-        use_fronts();  // which may do without smaller sizes
+        if (!leave_lattice()) return false;  // others may do without smaller sizes
         continue;
       }
       if (round == most_rounds || obstacle_.places.empty()) std::rethrow_exception(obstacle_.failure);
@@ -275,7 +278,7 @@ private:
     cross_field_ = compute_cross_field(refined_, options_.cross_field);
     if (cross_field_.status == Status::cancelled) return false;
     FieldReport report;
-    if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
+    if (options_.interfaces == InterfaceFrames::free && regions_.has_interfaces()) {
       const auto [outer, vertex_of] = outer_boundary(refined_, regions_, options_.features);
       FieldOptions options = options_.field;
       options.vertex_of = vertex_of;
@@ -296,14 +299,9 @@ private:
     return true;
   }
 
-  bool has_interfaces() const {
-    const auto patches = std::views::iota(index_t{0}, static_cast<index_t>(regions_.sides.size()));
-    return std::ranges::any_of(patches, [&](index_t patch) { return regions_.is_interface(patch); });
-  }
-
   bool make_lattice() {
     if (!going("lattice", 0)) return false;
-    if (options_.interfaces == InterfaceFrames::free && has_interfaces()) {
+    if (options_.interfaces == InterfaceFrames::free && regions_.has_interfaces()) {
       use_fronts();  // frames that cross an interface as they please have no whole coordinate there
       return true;
     }
@@ -311,14 +309,27 @@ private:
     lattice_ = place_lattice(field_->adjacency(), field_->points(), field_->frames(), refined_, size_, options_.lattice,
                              executor_, &report);
     result_.statistics.lattice_volume = lattice_.complete_volume;
-    if (lattice_.complete_volume < 0.5) use_fronts();  // no more than scraps of it
+    result_.statistics.mapping = report.mapping;
     watch_.lap(seconds_.insertion);
-    return report.status == Status::complete;
+    if (report.status != Status::complete) return false;
+    return lattice_.complete_volume >= 0.5 || leave_lattice();  // no more than scraps of it
   }
 
-  /// In place of a lattice of which too little is left.
+  /// Takes a lattice with the other mapping, or else fronts.
+  bool leave_lattice() {
+    if (!is_seamless()) {
+      use_fronts();
+      return true;
+    }
+    options_.lattice.mapping = LatticeMapping::phases;
+    return make_lattice();
+  }
+
+  bool is_seamless() const { return result_.statistics.mapping == LatticeMapping::seamless; }
+
   void use_fronts() {
     options_.order = result_.statistics.order = PointOrder::smoothness;
+    result_.statistics.mapping = LatticeMapping::phases;
     result_.statistics.lattice_volume = 0;
   }
 
@@ -419,7 +430,7 @@ private:
     seconds_.assembly += s.assembly;
     watch_ = {};
     if (result_.recombination.status != Status::complete || !going("checks", 1)) return false;
-    name_patches();
+    name_patches(result_.recombination.mesh, input_.features, options_.features.patches);
     result_.poor_cells = find_poor_cells(result_.recombination.mesh, options_.least_quality,
                                          [this](const Vector3& p) { return is_in_wedge(p); });
     result_.size_limits = size_.limits();
@@ -433,33 +444,16 @@ private:
     return wedges_->hold(p, size_(p));
   }
 
-  /// Faces get the host's labels where it has given some.
-  void name_patches() {
-    const std::vector<index_t>& given = options_.features.patches;
-    if (given.empty()) return;
-    std::vector<index_t> label(input_.features.n_patches);
-    for (std::size_t t = 0; t < given.size(); ++t) label[input_.features.triangle_patch[t]] = given[t];
-    for (LabelledFace& face : result_.recombination.mesh.faces)
-      if (face.label != no_index) face.label = label[face.label];
-  }
-
   /// Keeps boundary vertices on the input as it was given. Those that do not lie on it stay where they are.
   BoundarySlider boundary_slider(std::span<const LabelledEdge> edges) const {
     const double tolerance = 1e-6 * bounding_box(input_.points).diagonal().norm();
     return BoundarySlider(input_, locator_, tets_.mesh.points, edges, tolerance);
   }
 
-  void sample_field() {
-    index_t hint = no_index;
-    for (const Vector3& p : result_.recombination.mesh.points) {
-      const FrameSample sample = field_->sample(p, hint);
-      result_.frames.push_back(sample.frame);
-      result_.smoothness.push_back(sample.smoothness);
-    }
-  }
-
   // Shares of the volume, in a lattice and in hexahedra, with less of which fronts have been ahead on some bodies.
   static constexpr double least_sure_lattice = 0.975, least_sure_hexahedra = 0.9;
+  // With less another mapping has been ahead.
+  static constexpr double least_good_hexahedra = 0.985;
 
   const TetrahedralizerRef& tetrahedralizer_;
   LimitedSize<SizeFieldRef> size_;

@@ -27,4 +27,13 @@ inline std::vector<LabelledEdge> curve_labels(const Surface& surface) {
   return edges;
 }
 
+/// Faces get the host's labels where it has given some. @param given  per triangle of the surface with these features.
+inline void name_patches(MixedMesh& mesh, const FeatureGraph& features, std::span<const index_t> given) {
+  if (given.empty()) return;
+  std::vector<index_t> label(features.n_patches);
+  for (std::size_t t = 0; t < given.size(); ++t) label[features.triangle_patch[t]] = given[t];
+  for (LabelledFace& face : mesh.faces)
+    if (face.label != no_index) face.label = label[face.label];
+}
+
 }  // namespace framehex::detail
