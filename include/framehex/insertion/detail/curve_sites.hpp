@@ -25,7 +25,7 @@ struct Sector {
 class CurveSites {
 public:
   CurveSites(const Surface& surface, const SurfaceWalker& walker)
-      : surface_(surface), adjacency_(surface.adjacency), features_(surface.features), walker_(walker) {
+      : adjacency_(surface.adjacency), features_(surface.features), walker_(walker) {
     for (std::size_t c = 0; c < features_.curves.size(); ++c) {
       const auto row = features_.curves[c];
       for (std::size_t i = 0; i < row.size(); ++i)
@@ -75,7 +75,6 @@ private:
     return result;
   }
 
-  const Surface& surface_;
   const TriangleAdjacency& adjacency_;
   const FeatureGraph& features_;
   const SurfaceWalker& walker_;
