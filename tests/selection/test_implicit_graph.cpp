@@ -116,7 +116,7 @@ TEST_CASE("the bound by tetrahedra holds, and cliques lower it", "[selection][im
       CHECK(selection->weight <= best.weight);
       CHECK(verify::is_maximal(graph, selection->members));
     }
-    CHECK(unproven.status == SelectionStatus::gap_reached);
+    CHECK(unproven.status == SelectionStatus::budget_exhausted);
     CHECK(unproven.gap() > 0.05);
     CHECK(proven.gap() < unproven.gap() / 2);
     CHECK(select(graph, {.method = SelectMethod::greedy}).bound >= best.weight);

@@ -147,7 +147,7 @@ Selection select_on(ExecutorRef executor, const G& graph, const SelectOptions& o
     selection.status = SelectionStatus::optimal;
   else if (deadline.cancelled())
     selection.status = SelectionStatus::cancelled;
-  else if (options.method == SelectMethod::best && selection.gap() <= options.gap)
+  else if (options.method == SelectMethod::best && options.gap < 1 && selection.gap() <= options.gap)
     selection.status = SelectionStatus::gap_reached;
   return selection;
 }
