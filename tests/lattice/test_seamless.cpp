@@ -186,3 +186,18 @@ TEST_CASE("fields that leave more whole numbers free than asked for get the othe
   options.mapping = LatticeMapping::phases;
   CHECK(points.interior == body.lattice(0.1, nullptr, SerialExecutor{}, options).interior);
 }
+
+TEST_CASE("a map that would have to be bent is not taken: a wedge has fewer layers at its edge than at its back") {
+  // From 1 to 5 sizes thick, by three layers: 1.8 times too thin below 1.67 sizes, which is 7.4 % of the volume.
+  std::vector<Eigen::Vector2d> outline{{0, 0}, {4, 0}, {4, 1.25}, {0, 0.25}};
+  const test::Body body(test::filled(test::extruded_polygon(outline, 1), 2e-3));
+  LatticeReport report;
+  body.lattice(0.25, &report);
+  CHECK(report.seamless.bent_volume == Approx(0.074).margin(0.03));
+  CHECK_FALSE(report.seamless.solved);
+  CHECK(report.mapping == LatticeMapping::phases);
+  LatticeOptions options;
+  options.seamless.most_bent = 1;
+  body.lattice(0.25, &report, SerialExecutor{}, options);
+  CHECK(report.mapping == LatticeMapping::seamless);
+}

@@ -121,8 +121,8 @@ TEST_CASE("every number of every options struct is refused outside its range, an
   CHECK(check_ranges<AssemblyOptions>() == 4);
   CHECK(check_ranges<OptimizationOptions>() == 3);
   CHECK(check_ranges<RecombineOptions>() == 12);
-  CHECK(check_ranges<LatticeOptions>() == 23);
-  CHECK(check_ranges<MeshingOptions>() == 82);
+  CHECK(check_ranges<LatticeOptions>() == 24);
+  CHECK(check_ranges<MeshingOptions>() == 83);
 }
 
 TEST_CASE("every stage refuses numbers outside their range") {

@@ -13,6 +13,7 @@ namespace framehex {
 struct SeamlessOptions {
   std::size_t most_unknowns = 64;  ///< whole numbers to be chosen; the cost grows with them, and noisy fields have many
   double line_weight = 0.5;        ///< >= 0: of the wish that singular lines lie where the field has them
+  double most_bent = 0.05;  ///< 0 to 1: share of the volume in which steps may be far from the size (`bent_volume`)
   double tolerance = 1e-4;
   int max_iterations = 3000;
   Observer observer = {};
@@ -21,6 +22,7 @@ struct SeamlessOptions {
   static void each_number(Options& o, Visit&& visit) {
     visit("SeamlessOptions::most_unknowns", o.most_unknowns, 0, 4096);
     visit("SeamlessOptions::line_weight", o.line_weight, 0, largest_finite);
+    visit("SeamlessOptions::most_bent", o.most_bent, 0, 1);
     visit("SeamlessOptions::tolerance", o.tolerance, least_positive, 1);
     visit("SeamlessOptions::max_iterations", o.max_iterations, 0, unbounded);
   }
@@ -29,7 +31,8 @@ struct SeamlessOptions {
 /// How a seamless map was found.
 struct SeamlessReport {
   std::size_t n_unknowns = 0;  ///< whole numbers that the field leaves free
-  bool solved = false;         ///< false: they are more than were asked for
+  bool solved = false;         ///< false: they are more than were asked for, or the map is bent too much
+  double bent_volume = 0;      ///< share of the volume in which a step is longer than 1.8 sizes or shorter than 1/1.8
   double rms_residual = 0;     ///< of the edges, in steps
   Status status = Status::complete;
 };
@@ -75,7 +78,8 @@ public:
       sum += (differences[e] - steps_[e]).squaredNorm();
     }
     report.rms_residual = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(3 * graph_.n_edges(), 1)));
-    report.solved = true;
+    report.bent_volume = bent_volume(differences);
+    report.solved = report.bent_volume <= options_.most_bent;
     report.status = Status::complete;
     return report;
   }
@@ -337,6 +341,27 @@ private:
     return true;
   }
 
+  /// A body that tapers has as many layers at its thick end as at its thin one, unless something ends between.
+  double bent_volume(const std::vector<Vector3>& differences) const {
+    constexpr double most = 1.8;
+    double bent = 0, all = 0;
+    for (index_t tet = 0; tet < graph_.tets().size(); ++tet) {
+      const auto& t = graph_.tets()[tet];
+      const double volume = graph_.six_volumes(t);
+      all += volume;
+      if (graph_.is_singular(tet) || !(volume > 0)) continue;
+      Eigen::Matrix3d ways, coordinates;
+      for (int i = 0; i < 3; ++i) {
+        const index_t w = t[static_cast<std::size_t>(i) + 1];
+        ways.col(i) = graph_.points()[w] - graph_.points()[t[0]];
+        coordinates.col(i) = graph_.along(differences, t[0], w);
+      }
+      const Eigen::Array3d rates = sizes_[t[0]] * (coordinates * ways.inverse()).rowwise().norm().array();
+      if (rates.minCoeff() < 1 / most || rates.maxCoeff() > most) bent += volume;
+    }
+    return all > 0 ? bent / all : 0;
+  }
+
   const LatticeGraph& graph_;
   const std::vector<Vector3>& steps_;
   const SingularLines& lines_;
@@ -370,7 +395,8 @@ private:
 /// @param steps        per edge, of `project_steps`.
 /// @param phases       receives the coordinates per vertex and axis.
 /// @param differences  receives per edge how the coordinates differ: steps for which the map has no dislocation.
-/// @return neither when there are more whole numbers than `most_unknowns`, or when cancelled.
+/// @return neither of use when there are more whole numbers than `most_unknowns`, when the map is bent too much, or when
+///         cancelled.
 /// @par Complexity   O(edges^(7/6)) or so for each whole number; some 400 bytes an edge. The same for any executor.
 /// @par Source       Nieser, Reitebuch, Polthier, Comput. Graph. Forum 30 (2011), for maps of this kind. Departs: frames
 ///                   at vertices, steps given, all whole numbers in one quadratic function.
