@@ -2,15 +2,14 @@
 # SPDX-License-Identifier: BSL-1.0
 """Which lines of include/ the tests run: coverage.py BUILD_DIR [--least PERCENT] [--missing PATTERN]
 
-Reads what programs left that were built with g++ --coverage, and prints a table by folder. A line counts as run when any
-instantiation in any program ran it. Templates that nothing instantiates leave no lines for the compiler to count: what lies
+Reads what the programs in BUILD_DIR/bin left in BUILD_DIR/profiles, built by clang with -fprofile-instr-generate and
+-fcoverage-mapping, and prints a table by folder. A line counts as run when any instantiation in any program ran it. Templates that nothing instantiates leave no lines for the compiler to count: what lies
 inside of functions that no program contains is counted as not run, line for line, unless it is constexpr, which the compiler may
 have run itself. Exit status 1 when less than --least percent are run. --missing lists lines and functions of headers whose
 path contains PATTERN.
 """
 import argparse
 import collections
-import json
 import pathlib
 import re
 import subprocess
@@ -24,18 +23,25 @@ HEADERS = ROOT / "include" / "framehex"
 
 def lines_run(build):
     """Header -> line -> how often it was run, in all programs together."""
+    profiles = sorted((build / "profiles").glob("*.profraw"))
+    programs = [path for path in sorted((build / "bin").iterdir()) if path.read_bytes()[:4] == b"\x7fELF"]
+    if not profiles or not programs:
+        sys.exit(f"{build}: no program was built with the preset coverage and run there")
+    merged = build / "all.profdata"
+    # Processes that were killed while they wrote leave files that cannot be read: those are left out.
+    subprocess.run(["llvm-profdata-16", "merge", "--sparse", "--failure-mode=all", "-o", merged, *profiles], check=True,
+                   stderr=subprocess.DEVNULL)
+    objects = [f"--object={path}" for path in programs]
+    listed = subprocess.run(["llvm-cov-16", "export", "--format=lcov", f"--instr-profile={merged}", *objects, HEADERS],
+                            check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     counts = collections.defaultdict(collections.Counter)
-    notes = sorted(build.rglob("*.gcno"))
-    for start in range(0, len(notes), 20):
-        listed = subprocess.run(["gcov", "--json-format", "--stdout", *notes[start:start + 20]], cwd=build, check=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        for document in listed.stdout.splitlines():
-            for file in json.loads(document)["files"] if document else []:
-                path = pathlib.Path(build, file["file"]).resolve()
-                if path.is_relative_to(HEADERS):
-                    lines = counts[path.relative_to(HEADERS).as_posix()]
-                    for line in file["lines"]:
-                        lines[line["line_number"]] += line["count"]
+    lines = None
+    for record in listed.stdout.splitlines():
+        if record.startswith("SF:"):
+            lines = counts[pathlib.Path(record[3:]).relative_to(HEADERS).as_posix()]
+        elif record.startswith("DA:"):
+            number, count = record[3:].split(",")[:2]
+            lines[int(number)] += int(count)
     return counts
 
 
@@ -63,8 +69,6 @@ def main():
     parser.add_argument("--missing", metavar="PATTERN")
     options = parser.parse_args()
     counts = lines_run(options.build.resolve())
-    if not counts:
-        sys.exit(f"{options.build}: no program was built with --coverage and run there")
 
     folders = collections.defaultdict(lambda: [0, 0, 0])  # lines, of them run, of them never compiled
     for path in sorted(HEADERS.rglob("*.hpp")):
