@@ -32,14 +32,15 @@ def lines_run(build):
     subprocess.run(["llvm-profdata-16", "merge", "--sparse", "--failure-mode=all", "-o", merged, *profiles], check=True,
                    stderr=subprocess.DEVNULL)
     objects = [f"--object={path}" for path in programs]
-    listed = subprocess.run(["llvm-cov-16", "export", "--format=lcov", f"--instr-profile={merged}", *objects, HEADERS],
+    listed = subprocess.run(["llvm-cov-16", "export", "--format=lcov", f"--instr-profile={merged}", *objects],
                             check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     counts = collections.defaultdict(collections.Counter)
     lines = None
     for record in listed.stdout.splitlines():
         if record.startswith("SF:"):
-            lines = counts[pathlib.Path(record[3:]).relative_to(HEADERS).as_posix()]
-        elif record.startswith("DA:"):
+            path = pathlib.Path(record[3:])
+            lines = counts[path.relative_to(HEADERS).as_posix()] if path.is_relative_to(HEADERS) else None
+        elif record.startswith("DA:") and lines is not None:
             number, count = record[3:].split(",")[:2]
             lines[int(number)] += int(count)
     return counts
