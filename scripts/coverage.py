@@ -3,8 +3,8 @@
 """Which lines of include/ the tests run: coverage.py BUILD_DIR [--least PERCENT] [--missing PATTERN]
 
 Reads what the programs in BUILD_DIR/bin left in BUILD_DIR/profiles, built by clang with -fprofile-instr-generate and
--fcoverage-mapping, and prints a table by folder. A line counts as run when any instantiation in any program ran it. Templates that nothing instantiates leave no lines for the compiler to count: what lies
-inside of functions that no program contains is counted as not run, line for line, unless it is constexpr, which the compiler may
+-fcoverage-mapping, and prints a table by folder. A line counts as run when any instantiation in any program ran it.
+Templates that nothing instantiates leave no lines for the compiler to count: what lies inside of functions that no program contains is counted as not run, line for line, unless it is constexpr, which the compiler may
 have run itself. Exit status 1 when less than --least percent are run. --missing lists lines and functions of headers whose
 path contains PATTERN.
 """

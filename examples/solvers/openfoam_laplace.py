@@ -192,7 +192,7 @@ def solve(program, surface, folder, answers, picture):
         draw(picture, case, temperatures)
     box = common.write_extrusion(folder / "box.off", [(0, 0), (1.2, 0), (1.2, 1), (0, 1)], 0.8)
     for name, shape, sizes, least in (("box", box, (1000, 8000, 27000), 1.9),
-                                      ("surface", surface, (700, 2000, 5000), 1.8)):
+                                      ("surface", surface, (400, 1400, 4000), 1.8)):
         order = order_of_convergence([Case(folder / f"{name}_{cells}", program, shape, cells) for cells in sizes])
         answers.at_least(f"order of convergence, {name}", least, order)
 

@@ -92,16 +92,9 @@ public:
       throw invalid_option("steps and masks are not one for each edge and vertex");
     check_options(options_);
     integrate_along_tree();
-    stiffness_.assign(graph.n_vertices(), Vector3::Zero());
-    for (index_t e = 0; e < graph.n_edges(); ++e) {
-      stiffness_[graph.edges()[e][0]] += weight(e);
-      stiffness_[graph.edges()[e][1]] += graph.matching(e).to_second_unsigned(weight(e));
-    }
+    stiffness_ = detail::chart_stiffness(graph, tangent);
     waves_.set_couplings([&](index_t e) { return wave_coupling(e); });
-    coordinates_.set_couplings([&](index_t e) -> Vector3 {
-      const AxisMatching& m = graph_.matching(e);
-      return -weight(e).cwiseProduct(Vector3(m.sign[0], m.sign[1], m.sign[2]));
-    });
+    coordinates_.set_couplings([&](index_t e) { return detail::chart_coupling(graph_, tangent_, e); });
   }
 
   /// @param phases   receives coordinates per vertex and axis; whole, but for rounding, where `whole` says so.

@@ -239,19 +239,10 @@ private:
   void make_system() {
     std::vector<double> masses(graph_.n_vertices(), 0);
     system_.emplace(graph_, masses);
-    std::vector<Vector3> diagonal(graph_.n_vertices(), Vector3::Zero());
-    for (index_t e = 0; e < graph_.n_edges(); ++e) {
-      const auto [v, w] = graph_.edges()[e];
-      const Vector3 weights = chart_weights(graph_, tangent_, e);
-      diagonal[v] += weights;
-      diagonal[w] += graph_.matching(e).to_second_unsigned(weights);
-    }
+    std::vector<Vector3> diagonal = chart_stiffness(graph_, tangent_);
     for (std::size_t t = 3 * graph_.n_edges(); t < terms_.size(); ++t)
       diagonal[terms_[t].nodes[0] / 3][terms_[t].nodes[0] % 3] += terms_[t].weight;
-    system_->set_couplings([&](index_t e) -> Vector3 {
-      const AxisMatching& m = graph_.matching(e);
-      return -chart_weights(graph_, tangent_, e).cwiseProduct(Vector3(m.sign[0], m.sign[1], m.sign[2]));
-    });
+    system_->set_couplings([&](index_t e) { return chart_coupling(graph_, tangent_, e); });
     for (index_t v = 0; v < diagonal.size(); ++v) {
       system_->set_diagonal(v, diagonal[v]);
       AxisMask fixed = 0;

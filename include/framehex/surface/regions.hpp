@@ -25,7 +25,9 @@ struct SurfaceRegions {
   /// Has the patch material on both sides?
   bool is_interface(index_t patch) const { return sides[patch][0] != no_index && sides[patch][1] != no_index; }
   bool has_interfaces() const {
-    return std::ranges::any_of(sides, [](const auto& s) { return s[0] != no_index && s[1] != no_index; });
+    for (index_t patch = 0; patch < sides.size(); ++patch)
+      if (is_interface(patch)) return true;
+    return false;
   }
 };
 

@@ -58,11 +58,29 @@ inline AxisSets connected_axes(const LatticeGraph& graph) {
 
 /// Weights of an edge's axes: charts are held together by stronger ones.
 inline Vector3 chart_weights(const LatticeGraph& graph, std::span<const AxisMask> tangent, index_t e) {
-  constexpr double chart_stiffness = 32;
+  constexpr double stiffer = 32;
   Vector3 result = Vector3::Constant(graph.weights()[e]);
   for (int a = 0; a < 3; ++a)
-    if (tangent[e] >> a & 1) result[a] *= chart_stiffness;
+    if (tangent[e] >> a & 1) result[a] *= stiffer;
   return result;
+}
+
+/// Sum of the weights at each vertex, per axis: the diagonal of the equations for coordinates.
+inline std::vector<Vector3> chart_stiffness(const LatticeGraph& graph, std::span<const AxisMask> tangent) {
+  std::vector<Vector3> result(graph.n_vertices(), Vector3::Zero());
+  for (index_t e = 0; e < graph.n_edges(); ++e) {
+    const auto [v, w] = graph.edges()[e];
+    const Vector3 weights = chart_weights(graph, tangent, e);
+    result[v] += weights;
+    result[w] += graph.matching(e).to_second_unsigned(weights);
+  }
+  return result;
+}
+
+/// The entries beside the diagonal, along the axes of the edge's lower vertex.
+inline Vector3 chart_coupling(const LatticeGraph& graph, std::span<const AxisMask> tangent, index_t e) {
+  const AxisMatching& m = graph.matching(e);
+  return -chart_weights(graph, tangent, e).cwiseProduct(Vector3(m.sign[0], m.sign[1], m.sign[2]));
 }
 
 /// Parts of the boundary on which one coordinate is constant, and whole: axes of boundary vertices joined by the edges

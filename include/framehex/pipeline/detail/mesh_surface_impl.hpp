@@ -107,8 +107,8 @@ private:
   }
 
   /// A lattice with holes, or whose cells did not become hexahedra, can do worse than other points, and only the meshes
-  /// tell: the best one stays. A seamless map may be bent where another has dislocations. A wall of one layer, which finite volumes do not take, may have two where no step is longer
-  /// than the size; and there are fronts.
+  /// tell: the best one stays. A seamless map may be bent where another has dislocations. A wall of one layer, which
+  /// finite volumes do not take, may have two where no step is longer than the size; and there are fronts.
   bool try_other_points() {
     if (is_seamless() && share_of_hexahedra(result_.recombination.mesh) < least_good_hexahedra &&
         !remake([this] { return leave_lattice(); }))
